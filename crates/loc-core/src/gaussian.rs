@@ -1,0 +1,231 @@
+//! The multivariate normal distribution: a belief about a vector (F3).
+//!
+//! ```
+//! use loc_core::Gaussian;
+//! use nalgebra::{Matrix2, Vector2};
+//! let belief = Gaussian::new(Vector2::new(1.0, 2.0), Matrix2::new(4.0, 0.0, 0.0, 1.0))?;
+//! let two_sigma = belief.ellipse(2.0);
+//! assert_eq!((two_sigma.semi_major, two_sigma.semi_minor), (4.0, 2.0));
+//! # Ok::<(), loc_core::Error>(())
+//! ```
+
+use crate::{Error, Result, angle};
+use nalgebra::{Cholesky, Const, Matrix2, Matrix3, SMatrix, SVector, Vector2};
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+/// A normal distribution over `N` numbers, with mean and covariance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Gaussian<const N: usize> {
+    /// The expected value.
+    pub mean: SVector<f64, N>,
+    /// The covariance: symmetric, positive semi-definite.
+    pub covariance: SMatrix<f64, N, N>,
+}
+
+/// An ellipse of equal density, k standard deviations from the mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ellipse {
+    /// Centre.
+    pub center: Vector2<f64>,
+    /// Half of the longer axis, in the units of the mean.
+    pub semi_major: f64,
+    /// Half of the shorter axis.
+    pub semi_minor: f64,
+    /// Direction of the longer axis, counter-clockwise from x \[rad\].
+    pub angle: f64,
+}
+
+impl<const N: usize> Gaussian<N> {
+    /// A distribution from its mean and covariance.
+    ///
+    /// A zero covariance (certainty) is allowed.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a mean, [`Error::NotACovariance`] for a covariance that is not
+    /// finite, not symmetric, or has a negative eigenvalue.
+    pub fn new(mean: SVector<f64, N>, covariance: SMatrix<f64, N, N>) -> Result<Self> {
+        for &value in mean.iter() {
+            crate::error::finite("mean", value)?;
+        }
+        check_covariance("covariance", &covariance)?;
+        Ok(Gaussian { mean, covariance })
+    }
+
+    /// Certainty: the mean with a covariance of zero.
+    pub fn certain(mean: SVector<f64, N>) -> Self {
+        Gaussian {
+            mean,
+            covariance: SMatrix::zeros(),
+        }
+    }
+
+    /// Squared Mahalanobis distance of `x`: `(x - mean)^T S^-1 (x - mean)`, which is chi-square
+    /// distributed with `N` degrees of freedom.
+    ///
+    /// # Errors
+    /// [`Error::NotACovariance`] where the covariance is singular.
+    pub fn mahalanobis_squared(&self, x: &SVector<f64, N>) -> Result<f64> {
+        self.deviation_squared(&(x - self.mean))
+    }
+
+    /// The same for a deviation that the caller has formed, with its angles wrapped.
+    ///
+    /// # Errors
+    /// [`Error::NotACovariance`] where the covariance is singular.
+    pub fn deviation_squared(&self, deviation: &SVector<f64, N>) -> Result<f64> {
+        let whitened = cholesky("covariance", &self.covariance)?
+            .l_dirty()
+            .solve_lower_triangular(deviation)
+            .ok_or_else(|| not_definite("covariance", &self.covariance))?;
+        Ok(whitened.norm_squared())
+    }
+
+    /// Natural logarithm of the density at `x`.
+    ///
+    /// # Errors
+    /// [`Error::NotACovariance`] where the covariance is singular and has no density.
+    pub fn log_density(&self, x: &SVector<f64, N>) -> Result<f64> {
+        let factor = cholesky("covariance", &self.covariance)?;
+        let log_det: f64 = factor
+            .l_dirty()
+            .diagonal()
+            .iter()
+            .map(|d| 2.0 * d.ln())
+            .sum();
+        Ok(-0.5 * (self.mahalanobis_squared(x)? + log_det + N as f64 * TAU.ln()))
+    }
+
+    /// Draws from the distribution. Singular covariances are fine: nothing moves along the
+    /// directions that are certain.
+    pub fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> SVector<f64, N> {
+        let noise = SVector::<f64, N>::from_fn(|_, _| StandardNormal.sample(rng));
+        self.mean + semidefinite_factor(&self.covariance) * noise
+    }
+}
+
+impl Gaussian<2> {
+    /// The ellipse `sigmas` standard deviations from the mean (39.3 % of the mass lie within 1,
+    /// 86.5 % within 2).
+    pub fn ellipse(&self, sigmas: f64) -> Ellipse {
+        let s: &Matrix2<f64> = &self.covariance;
+        let half_trace = 0.5 * (s.m11 + s.m22);
+        let radius = f64::hypot(0.5 * (s.m11 - s.m22), s.m12);
+        Ellipse {
+            center: self.mean,
+            semi_major: sigmas * (half_trace + radius).max(0.0).sqrt(),
+            semi_minor: sigmas * (half_trace - radius).max(0.0).sqrt(),
+            angle: 0.5 * (2.0 * s.m12).atan2(s.m11 - s.m22),
+        }
+    }
+}
+
+impl Gaussian<3> {
+    /// The distribution of the position alone, of a belief about (x, y, theta).
+    pub fn position(&self) -> Gaussian<2> {
+        Gaussian {
+            mean: self.mean.fixed_rows::<2>(0).into(),
+            covariance: self.covariance.fixed_view::<2, 2>(0, 0).into(),
+        }
+    }
+
+    /// The mean as a pose, of a belief about (x, y, theta).
+    pub fn pose(&self) -> crate::Pose2 {
+        crate::Pose2::from_vector(&self.mean)
+    }
+
+    /// Deviation of the true `pose` from the mean, its angle wrapped \[m, m, rad\].
+    pub fn pose_deviation(&self, pose: crate::Pose2) -> nalgebra::Vector3<f64> {
+        let mut deviation = pose.to_vector() - self.mean;
+        deviation.z = angle::wrap(deviation.z);
+        deviation
+    }
+}
+
+/// A belief about a pose with independent standard deviations \[m, m, rad\].
+pub fn pose_belief(pose: crate::Pose2, sigmas: [f64; 3]) -> Gaussian<3> {
+    let variances = SVector::from(sigmas.map(|s| s * s));
+    Gaussian {
+        mean: pose.to_vector(),
+        covariance: Matrix3::from_diagonal(&variances),
+    }
+}
+
+/// Checks that a matrix is a covariance: finite, symmetric, no negative eigenvalue, each up to
+/// rounding.
+///
+/// # Errors
+/// [`Error::NotACovariance`] with the matrix.
+pub fn check_covariance<const N: usize>(
+    what: &'static str,
+    matrix: &SMatrix<f64, N, N>,
+) -> Result<()> {
+    let scale = matrix.amax();
+    let tolerance = 1e-9 * scale;
+    let symmetric = (matrix - matrix.transpose()).amax() <= tolerance;
+    if !scale.is_finite() || !matrix.iter().all(|v| v.is_finite()) || !symmetric {
+        return Err(not_semidefinite(what, matrix));
+    }
+    // Shifting by the tolerance lets semi-definite matrices through the strict factorisation.
+    let shifted = matrix + SMatrix::<f64, N, N>::identity() * (tolerance + f64::MIN_POSITIVE);
+    match Cholesky::new(shifted) {
+        Some(_) => Ok(()),
+        None => Err(not_semidefinite(what, matrix)),
+    }
+}
+
+/// The Cholesky factor of a positive definite matrix.
+///
+/// # Errors
+/// [`Error::NotACovariance`] where it is not positive definite, or not finite.
+pub fn cholesky<const N: usize>(
+    what: &'static str,
+    matrix: &SMatrix<f64, N, N>,
+) -> Result<Cholesky<f64, Const<N>>> {
+    Cholesky::new(*matrix).ok_or_else(|| not_definite(what, matrix))
+}
+
+/// A lower triangular L with `L L^T = matrix`, for semi-definite matrices too: a pivot that
+/// vanishes leaves its column at zero.
+fn semidefinite_factor<const N: usize>(matrix: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+    let mut l = SMatrix::<f64, N, N>::zeros();
+    let smallest_pivot = 1e-14 * matrix.diagonal().amax();
+    for j in 0..N {
+        let pivot = matrix[(j, j)] - (0..j).map(|k| l[(j, k)] * l[(j, k)]).sum::<f64>();
+        if pivot <= smallest_pivot {
+            continue;
+        }
+        l[(j, j)] = pivot.sqrt();
+        for i in j + 1..N {
+            let rest = matrix[(i, j)] - (0..j).map(|k| l[(i, k)] * l[(j, k)]).sum::<f64>();
+            l[(i, j)] = rest / l[(j, j)];
+        }
+    }
+    l
+}
+
+fn not_definite<const N: usize>(what: &'static str, matrix: &SMatrix<f64, N, N>) -> Error {
+    Error::NotACovariance {
+        what,
+        expected: "symmetric positive definite",
+        found: one_line(matrix),
+    }
+}
+
+fn not_semidefinite<const N: usize>(what: &'static str, matrix: &SMatrix<f64, N, N>) -> Error {
+    Error::NotACovariance {
+        what,
+        expected: "finite symmetric positive semi-definite",
+        found: one_line(matrix),
+    }
+}
+
+fn one_line<const N: usize>(matrix: &SMatrix<f64, N, N>) -> String {
+    let rows: Vec<String> = matrix
+        .row_iter()
+        .map(|row| format!("{:?}", row.iter().collect::<Vec<_>>()))
+        .collect();
+    format!("[{}]", rows.join(", "))
+}

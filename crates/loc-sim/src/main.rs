@@ -1,0 +1,3 @@
+//! The command `loc-sim`.
+
+fn main() {}
