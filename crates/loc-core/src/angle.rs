@@ -20,8 +20,10 @@ pub fn wrap(angle: f64) -> f64 {
     // Rounding can leave a value just outside the half-open interval.
     if wrapped <= -PI {
         wrapped + TAU
+    } else if wrapped > PI {
+        PI
     } else {
-        wrapped.min(PI)
+        wrapped
     }
 }
 

@@ -102,7 +102,7 @@ impl Error {
 /// # Errors
 /// [`Error::OutOfRange`] for NaN and infinity.
 pub fn finite(what: &'static str, value: f64) -> Result<f64> {
-    in_range(what, "a finite number", value, |v| v.is_finite())
+    in_range(what, "a finite number", value, f64::is_finite)
 }
 
 /// Checks that `value` is finite and at least 0.

@@ -2,7 +2,10 @@
 
 pub mod angle;
 pub mod error;
+pub mod file;
+pub mod frames;
 pub mod gaussian;
+pub mod kinematics;
 pub mod motion;
 pub mod pose;
 pub mod random;

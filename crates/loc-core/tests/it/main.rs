@@ -9,6 +9,7 @@
 mod angle;
 mod finite_difference;
 mod gaussian;
+mod kinematics;
 mod pose;
 mod table;
 mod trajectory;

@@ -1,0 +1,8 @@
+#![doc = include_str!("../README.md")]
+
+pub mod landmark_camera;
+pub mod wheel;
+pub mod world;
+
+/// The error type of this crate: the ground floor's, which says all that can go wrong here.
+pub use loc_core::{Error, Result};
