@@ -43,11 +43,9 @@ pub fn circular_mean(angles: impl IntoIterator<Item = f64>) -> Option<f64> {
 ///
 /// `None` where that sum vanishes.
 pub fn weighted_circular_mean(angles: impl IntoIterator<Item = (f64, f64)>) -> Option<f64> {
-    let (sin, cos, total) = angles
-        .into_iter()
-        .fold((0.0, 0.0, 0.0), |(s, c, n), (angle, w)| {
-            (s + w * angle.sin(), c + w * angle.cos(), n + w)
-        });
+    let (sin, cos, total) = angles.into_iter().fold((0.0, 0.0, 0.0), |(s, c, n), (angle, w)| {
+        (s + w * angle.sin(), c + w * angle.cos(), n + w)
+    });
     let length: f64 = f64::hypot(sin, cos);
     // A resultant at the level of rounding has no direction.
     (length > 1e-12 * total).then(|| sin.atan2(cos))

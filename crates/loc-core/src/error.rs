@@ -110,9 +110,7 @@ pub fn finite(what: &'static str, value: f64) -> Result<f64> {
 /// # Errors
 /// [`Error::OutOfRange`] otherwise.
 pub fn non_negative(what: &'static str, value: f64) -> Result<f64> {
-    in_range(what, "a finite number >= 0", value, |v| {
-        v.is_finite() && v >= 0.0
-    })
+    in_range(what, "a finite number >= 0", value, |v| v.is_finite() && v >= 0.0)
 }
 
 /// Checks that `value` is finite and above 0.
@@ -120,9 +118,7 @@ pub fn non_negative(what: &'static str, value: f64) -> Result<f64> {
 /// # Errors
 /// [`Error::OutOfRange`] otherwise.
 pub fn positive(what: &'static str, value: f64) -> Result<f64> {
-    in_range(what, "a finite number > 0", value, |v| {
-        v.is_finite() && v > 0.0
-    })
+    in_range(what, "a finite number > 0", value, |v| v.is_finite() && v > 0.0)
 }
 
 /// Checks that `value` is a probability in \[0, 1\].
@@ -130,9 +126,7 @@ pub fn positive(what: &'static str, value: f64) -> Result<f64> {
 /// # Errors
 /// [`Error::OutOfRange`] otherwise.
 pub fn probability(what: &'static str, value: f64) -> Result<f64> {
-    in_range(what, "a probability in [0, 1]", value, |v| {
-        (0.0..=1.0).contains(&v)
-    })
+    in_range(what, "a probability in [0, 1]", value, |v| (0.0..=1.0).contains(&v))
 }
 
 fn in_range(
@@ -141,13 +135,5 @@ fn in_range(
     found: f64,
     allowed: impl Fn(f64) -> bool,
 ) -> Result<f64> {
-    if allowed(found) {
-        Ok(found)
-    } else {
-        Err(Error::OutOfRange {
-            what,
-            expected,
-            found,
-        })
-    }
+    if allowed(found) { Ok(found) } else { Err(Error::OutOfRange { what, expected, found }) }
 }

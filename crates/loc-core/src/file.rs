@@ -17,9 +17,6 @@ pub fn write_whole(path: impl AsRef<Path>, contents: impl AsRef<[u8]>) -> Result
     written.map_err(|source| {
         // The neighbour may not even exist; the first error is the one to tell.
         let _ = fs::remove_file(&part);
-        Error::Io {
-            path: path.to_owned(),
-            source,
-        }
+        Error::Io { path: path.to_owned(), source }
     })
 }

@@ -39,9 +39,7 @@ impl Kurt2Drive {
     /// # Errors
     /// [`crate::Error::OutOfRange`] unless the distance is positive.
     pub fn new(track: f64) -> Result<Self> {
-        Ok(Kurt2Drive {
-            track: positive("wheel track [m]", track)?,
-        })
+        Ok(Kurt2Drive { track: positive("wheel track [m]", track)? })
     }
 
     /// Turn rate, clockwise, `omega = (v_L - v_R)/b` \[rad/s\].
@@ -71,11 +69,7 @@ impl From<Kurt2Pose> for Pose2 {
 
 impl From<Pose2> for Kurt2Pose {
     fn from(pose: Pose2) -> Self {
-        Kurt2Pose {
-            x: -pose.y,
-            z: pose.x,
-            theta: crate::angle::wrap(-pose.theta),
-        }
+        Kurt2Pose { x: -pose.y, z: pose.x, theta: crate::angle::wrap(-pose.theta) }
     }
 }
 

@@ -56,10 +56,7 @@ impl<const N: usize> Gaussian<N> {
 
     /// Certainty: the mean with a covariance of zero.
     pub fn certain(mean: SVector<f64, N>) -> Self {
-        Gaussian {
-            mean,
-            covariance: SMatrix::zeros(),
-        }
+        Gaussian { mean, covariance: SMatrix::zeros() }
     }
 
     /// Squared Mahalanobis distance of `x`: `(x - mean)^T S^-1 (x - mean)`, which is chi-square
@@ -89,12 +86,7 @@ impl<const N: usize> Gaussian<N> {
     /// [`Error::NotACovariance`] where the covariance is singular and has no density.
     pub fn log_density(&self, x: &SVector<f64, N>) -> Result<f64> {
         let factor = cholesky("covariance", &self.covariance)?;
-        let log_det: f64 = factor
-            .l_dirty()
-            .diagonal()
-            .iter()
-            .map(|d| 2.0 * d.ln())
-            .sum();
+        let log_det: f64 = factor.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
         Ok(-0.5 * (self.mahalanobis_squared(x)? + log_det + N as f64 * TAU.ln()))
     }
 
@@ -147,10 +139,7 @@ impl Gaussian<3> {
 /// A belief about a pose with independent standard deviations \[m, m, rad\].
 pub fn pose_belief(pose: crate::Pose2, sigmas: [f64; 3]) -> Gaussian<3> {
     let variances = SVector::from(sigmas.map(|s| s * s));
-    Gaussian {
-        mean: pose.to_vector(),
-        covariance: Matrix3::from_diagonal(&variances),
-    }
+    Gaussian { mean: pose.to_vector(), covariance: Matrix3::from_diagonal(&variances) }
 }
 
 /// Checks that a matrix is a covariance: finite, symmetric, no negative eigenvalue, each up to
@@ -207,11 +196,7 @@ fn semidefinite_factor<const N: usize>(matrix: &SMatrix<f64, N, N>) -> SMatrix<f
 }
 
 fn not_definite<const N: usize>(what: &'static str, matrix: &SMatrix<f64, N, N>) -> Error {
-    Error::NotACovariance {
-        what,
-        expected: "symmetric positive definite",
-        found: one_line(matrix),
-    }
+    Error::NotACovariance { what, expected: "symmetric positive definite", found: one_line(matrix) }
 }
 
 fn not_semidefinite<const N: usize>(what: &'static str, matrix: &SMatrix<f64, N, N>) -> Error {
@@ -223,9 +208,7 @@ fn not_semidefinite<const N: usize>(what: &'static str, matrix: &SMatrix<f64, N,
 }
 
 fn one_line<const N: usize>(matrix: &SMatrix<f64, N, N>) -> String {
-    let rows: Vec<String> = matrix
-        .row_iter()
-        .map(|row| format!("{:?}", row.iter().collect::<Vec<_>>()))
-        .collect();
+    let rows: Vec<String> =
+        matrix.row_iter().map(|row| format!("{:?}", row.iter().collect::<Vec<_>>())).collect();
     format!("[{}]", rows.join(", "))
 }

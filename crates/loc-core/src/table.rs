@@ -46,12 +46,7 @@ impl Table {
     /// The same over a text in memory; `file` is only named in errors.
     pub fn parse(file: impl Into<PathBuf>, text: impl Into<String>, columns: &[&str]) -> Self {
         let columns = columns.iter().map(|&c| c.to_owned()).collect();
-        Table {
-            file: file.into(),
-            text: text.into(),
-            columns,
-            optional: 0,
-        }
+        Table { file: file.into(), text: text.into(), columns, optional: 0 }
     }
 
     /// Lets the last `count` columns be missing from a line.
@@ -96,29 +91,18 @@ impl Table {
             return Err(self.error(line, missing, "a value", &found));
         }
         if fields.len() > self.columns.len() {
-            let expected = format!(
-                "{} columns ({})",
-                self.columns.len(),
-                self.columns.join(" ")
-            );
+            let expected = format!("{} columns ({})", self.columns.len(), self.columns.join(" "));
             let found = format!("{} columns", fields.len());
             return Err(self.error(line, "line", &expected, &found));
         }
-        Ok(Some(Row {
-            table: self,
-            line,
-            fields,
-        }))
+        Ok(Some(Row { table: self, line, fields }))
     }
 
     fn is_header(&self, text: &str) -> bool {
         let fields = split(text);
         fields.len() <= self.columns.len()
             && fields.len() >= self.columns.len() - self.optional
-            && fields
-                .iter()
-                .zip(&self.columns)
-                .all(|(field, name)| field == name)
+            && fields.iter().zip(&self.columns).all(|(field, name)| field == name)
     }
 }
 
@@ -146,8 +130,7 @@ impl Row<'_> {
     /// [`Error::Parse`] where the column is missing or holds anything else.
     pub fn whole_number(&self, column: &str) -> Result<u32> {
         let text = self.text(column)?;
-        text.parse()
-            .map_err(|_| self.error(column, "a whole number >= 0", text))
+        text.parse().map_err(|_| self.error(column, "a whole number >= 0", text))
     }
 
     /// The field of a column as it stands.
@@ -167,8 +150,7 @@ impl Row<'_> {
 
     /// An error at a column of this line.
     pub fn error(&self, column: &str, expected: &str, found: &str) -> Error {
-        self.table
-            .error(self.line, column, expected, &format!("`{found}`"))
+        self.table.error(self.line, column, expected, &format!("`{found}`"))
     }
 }
 

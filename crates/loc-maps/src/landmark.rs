@@ -31,10 +31,7 @@ pub struct Landmark {
 /// Numbered landmarks, in order of their numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(try_from = "Vec<Landmark>", into = "Vec<Landmark>")
-)]
+#[cfg_attr(feature = "serde", serde(try_from = "Vec<Landmark>", into = "Vec<Landmark>"))]
 pub struct LandmarkMap {
     landmarks: Vec<Landmark>,
 }
@@ -42,10 +39,7 @@ pub struct LandmarkMap {
 impl Landmark {
     /// A landmark at height 0, at (x, y) \[m\].
     pub fn planar(id: u32, x: f64, y: f64) -> Self {
-        Landmark {
-            id,
-            position: Point3::new(x, y, 0.0),
-        }
+        Landmark { id, position: Point3::new(x, y, 0.0) }
     }
 }
 
@@ -71,10 +65,7 @@ impl LandmarkMap {
 
     /// The landmark with a number.
     pub fn get(&self, id: u32) -> Option<&Landmark> {
-        let index = self
-            .landmarks
-            .binary_search_by_key(&id, |landmark| landmark.id)
-            .ok()?;
+        let index = self.landmarks.binary_search_by_key(&id, |landmark| landmark.id).ok()?;
         self.landmarks.get(index)
     }
 
@@ -133,11 +124,7 @@ impl LandmarkMap {
         for row in table.rows() {
             let row = row?;
             let id = row.whole_number("id")?;
-            let z = if row.optional_text("z").is_some() {
-                row.number("z")?
-            } else {
-                0.0
-            };
+            let z = if row.optional_text("z").is_some() { row.number("z")? } else { 0.0 };
             if landmarks.iter().any(|known| known.id == id) {
                 let expected = "a number that no other landmark has";
                 return Err(row.error("id", expected, &id.to_string()).into());
@@ -147,11 +134,7 @@ impl LandmarkMap {
         }
         if landmarks.is_empty() {
             let file = table.file().to_owned();
-            return Err(loc_core::Error::Empty {
-                file,
-                what: "landmarks",
-            }
-            .into());
+            return Err(loc_core::Error::Empty { file, what: "landmarks" }.into());
         }
         LandmarkMap::new(landmarks)
     }

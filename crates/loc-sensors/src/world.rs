@@ -23,12 +23,7 @@ pub struct Landmarks(Vec<(u32, Point2<f64>)>);
 
 impl<const K: usize> From<[(u32, [f64; 2]); K]> for Landmarks {
     fn from(landmarks: [(u32, [f64; 2]); K]) -> Self {
-        Landmarks(
-            landmarks
-                .into_iter()
-                .map(|(id, xy)| (id, Point2::from(xy)))
-                .collect(),
-        )
+        Landmarks(landmarks.into_iter().map(|(id, xy)| (id, Point2::from(xy))).collect())
     }
 }
 

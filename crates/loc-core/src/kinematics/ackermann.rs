@@ -21,9 +21,7 @@ impl Ackermann {
     /// # Errors
     /// [`Error::OutOfRange`] unless the distance is positive.
     pub fn new(wheelbase: f64) -> Result<Self> {
-        Ok(Ackermann {
-            wheelbase: positive("wheelbase [m]", wheelbase)?,
-        })
+        Ok(Ackermann { wheelbase: positive("wheelbase [m]", wheelbase)? })
     }
 
     /// Distance between the axles \[m\].
@@ -52,10 +50,7 @@ impl Ackermann {
         refuse_sideways("Ackermann drive", twist)?;
         if twist.vx == 0.0 && twist.omega != 0.0 {
             let motion = format!("turn on the spot at {} rad/s", twist.omega);
-            return Err(Error::ImpossibleMotion {
-                drive: "Ackermann drive",
-                motion,
-            });
+            return Err(Error::ImpossibleMotion { drive: "Ackermann drive", motion });
         }
         if twist.vx == 0.0 {
             return Ok((0.0, 0.0));
@@ -66,10 +61,7 @@ impl Ackermann {
     /// Steering angles (left, right) of the two front wheels, `track` \[m\] apart, whose axes meet
     /// the rear axle's in one point when the middle plane is steered by `steering` \[rad\].
     pub fn front_wheel_angles(&self, steering: f64, track: f64) -> (f64, f64) {
-        let (forward, inward) = (
-            self.wheelbase * steering.sin(),
-            0.5 * track * steering.sin(),
-        );
+        let (forward, inward) = (self.wheelbase * steering.sin(), 0.5 * track * steering.sin());
         let angle =
             |side: f64| (forward / (self.wheelbase * steering.cos() + side * inward)).atan();
         (angle(-1.0), angle(1.0))

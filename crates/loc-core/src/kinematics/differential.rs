@@ -17,9 +17,7 @@ impl Differential {
     /// # Errors
     /// [`Error::OutOfRange`] unless the distance is positive.
     pub fn new(track: f64) -> Result<Self> {
-        Ok(Differential {
-            track: positive("wheel track [m]", track)?,
-        })
+        Ok(Differential { track: positive("wheel track [m]", track)? })
     }
 
     /// Distance between the wheels \[m\].

@@ -27,12 +27,7 @@ pub struct MecanumWheels {
 impl MecanumWheels {
     /// The vector (front left, front right, rear left, rear right).
     pub fn to_vector(self) -> Vector4<f64> {
-        Vector4::new(
-            self.front_left,
-            self.front_right,
-            self.rear_left,
-            self.rear_right,
-        )
+        Vector4::new(self.front_left, self.front_right, self.rear_left, self.rear_right)
     }
 }
 
@@ -44,9 +39,7 @@ impl Mecanum {
     pub fn new(wheelbase: f64, track: f64) -> Result<Self> {
         let wheelbase = positive("wheelbase [m]", wheelbase)?;
         let track = positive("wheel track [m]", track)?;
-        Ok(Mecanum {
-            lever: 0.5 * (wheelbase + track),
-        })
+        Ok(Mecanum { lever: 0.5 * (wheelbase + track) })
     }
 
     /// The robot's velocity from its four rim speeds, by least squares where they contradict each
@@ -71,12 +64,7 @@ impl Mecanum {
         let a = self.lever;
         let by_twist = Matrix4x3::new(1.0, -1.0, -a, 1.0, 1.0, a, 1.0, 1.0, -a, 1.0, -1.0, a);
         let w = by_twist * twist.to_vector();
-        MecanumWheels {
-            front_left: w[0],
-            front_right: w[1],
-            rear_left: w[2],
-            rear_right: w[3],
-        }
+        MecanumWheels { front_left: w[0], front_right: w[1], rear_left: w[2], rear_right: w[3] }
     }
 
     /// How far four rim speeds contradict each other \[m/s\]: the speed at which the rollers must

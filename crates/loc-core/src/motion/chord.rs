@@ -21,10 +21,7 @@ const SMALL_TURN: f64 = 1e-2;
 impl Chord {
     /// Euler's rule: straight on, as if the heading did not change.
     pub fn euler() -> Self {
-        Chord {
-            along: 1.0,
-            across: 0.0,
-        }
+        Chord { along: 1.0, across: 0.0 }
     }
 
     /// The midpoint rule: straight, at the heading of half the turn `phi` \[rad\].
@@ -43,19 +40,13 @@ impl Chord {
             return Chord { along, across };
         }
         let (sin, cos) = phi.sin_cos();
-        Chord {
-            along: sin / phi,
-            across: (1.0 - cos) / phi,
-        }
+        Chord { along: sin / phi, across: (1.0 - cos) / phi }
     }
 
     /// Derivative of [`midpoint`](Chord::midpoint) over `phi`.
     pub fn midpoint_slope(phi: f64) -> Self {
         let (sin, cos) = (0.5 * phi).sin_cos();
-        Chord {
-            along: -0.5 * sin,
-            across: 0.5 * cos,
-        }
+        Chord { along: -0.5 * sin, across: 0.5 * cos }
     }
 
     /// Derivative of [`exact`](Chord::exact) over `phi`.
@@ -68,9 +59,6 @@ impl Chord {
         }
         let (sin, cos) = phi.sin_cos();
         let p2 = phi * phi;
-        Chord {
-            along: (phi * cos - sin) / p2,
-            across: (phi * sin + cos - 1.0) / p2,
-        }
+        Chord { along: (phi * cos - sin) / p2, across: (phi * sin + cos - 1.0) / p2 }
     }
 }

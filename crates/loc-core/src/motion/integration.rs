@@ -30,11 +30,8 @@ pub struct StepJacobians {
 
 impl Integration {
     /// All rules, roughest first.
-    pub const ALL: [Integration; 3] = [
-        Integration::Euler,
-        Integration::Midpoint,
-        Integration::ExactArc,
-    ];
+    pub const ALL: [Integration; 3] =
+        [Integration::Euler, Integration::Midpoint, Integration::ExactArc];
 
     /// The pose after driving with velocity `twist` for `dt` \[s\].
     pub fn step(self, pose: Pose2, twist: Twist2, dt: f64) -> Pose2 {
@@ -66,10 +63,7 @@ impl Integration {
                 0.0, 0.0, dt,
             ),
         };
-        (
-            Pose2::new(pose.x + dx, pose.y + dy, pose.theta + phi),
-            jacobians,
-        )
+        (Pose2::new(pose.x + dx, pose.y + dy, pose.theta + phi), jacobians)
     }
 
     fn chord(self, phi: f64) -> Chord {
@@ -82,10 +76,7 @@ impl Integration {
 
     fn slope(self, phi: f64) -> Chord {
         match self {
-            Integration::Euler => Chord {
-                along: 0.0,
-                across: 0.0,
-            },
+            Integration::Euler => Chord { along: 0.0, across: 0.0 },
             Integration::Midpoint => Chord::midpoint_slope(phi),
             Integration::ExactArc => Chord::exact_slope(phi),
         }

@@ -23,11 +23,7 @@ pub struct VelocityNoise {
 
 impl VelocityNoise {
     /// Perfect odometry.
-    pub const NONE: VelocityNoise = VelocityNoise {
-        k_d: 0.0,
-        k_theta: 0.0,
-        k_drift: 0.0,
-    };
+    pub const NONE: VelocityNoise = VelocityNoise { k_d: 0.0, k_theta: 0.0, k_drift: 0.0 };
 
     /// The model from the standard deviations that the lectures speak of: `distance` \[m\] after
     /// 1 m, `turn` \[rad\] after a full turn, `drift` \[rad\] after 1 m.
@@ -41,6 +37,17 @@ impl VelocityNoise {
                 / std::f64::consts::TAU,
             k_drift: non_negative("sigma of the drift [rad per m]", drift)?.powi(2),
         })
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] for negative values, NaN and infinity.
+    pub fn check(&self) -> Result<()> {
+        non_negative("k_d [m^2/m]", self.k_d)?;
+        non_negative("k_theta [rad^2/rad]", self.k_theta)?;
+        non_negative("k_drift [rad^2/m]", self.k_drift)?;
+        Ok(())
     }
 
     /// Variances of (vx, vy, omega) over a step of `dt` \[s\]:
@@ -63,5 +70,17 @@ impl VelocityNoise {
     /// Sigma_u: the diagonal matrix of [`variances`](VelocityNoise::variances).
     pub fn covariance(&self, twist: Twist2, dt: f64) -> Matrix3<f64> {
         Matrix3::from_diagonal(&self.variances(twist, dt))
+    }
+}
+
+impl Default for VelocityNoise {
+    /// 5 cm after 1 m, 5 degrees after a full turn, 2 degrees after 1 m: the lectures' example.
+    fn default() -> Self {
+        let [distance, turn, drift] = [0.05, 5_f64.to_radians(), 2_f64.to_radians()];
+        VelocityNoise {
+            k_d: distance * distance,
+            k_theta: turn * turn / std::f64::consts::TAU,
+            k_drift: drift * drift,
+        }
     }
 }

@@ -42,11 +42,7 @@ impl OdometryMotion {
         let step = from.between(to);
         let distance = f64::hypot(step.x, step.y);
         if distance < Self::SHORTEST_DRIVE {
-            return OdometryMotion {
-                rot1: 0.0,
-                trans: distance,
-                rot2: step.theta,
-            };
+            return OdometryMotion { rot1: 0.0, trans: distance, rot2: step.theta };
         }
         let direction = step.y.atan2(step.x);
         let backwards = direction.abs() > std::f64::consts::FRAC_PI_2;
@@ -55,11 +51,7 @@ impl OdometryMotion {
         } else {
             (direction, distance)
         };
-        OdometryMotion {
-            rot1,
-            trans,
-            rot2: angle::difference(step.theta, rot1),
-        }
+        OdometryMotion { rot1, trans, rot2: angle::difference(step.theta, rot1) }
     }
 
     /// The pose after this step from `pose`.

@@ -19,8 +19,5 @@ pub fn dead_reckon(
     let (f_x, f_u) = (jacobians.by_pose, jacobians.by_twist);
     let covariance = f_x * belief.covariance * f_x.transpose()
         + f_u * noise.covariance(twist, dt) * f_u.transpose();
-    Gaussian {
-        mean: moved.to_vector(),
-        covariance: 0.5 * (covariance + covariance.transpose()),
-    }
+    Gaussian { mean: moved.to_vector(), covariance: 0.5 * (covariance + covariance.transpose()) }
 }

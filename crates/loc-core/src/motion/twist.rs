@@ -16,11 +16,7 @@ pub struct Twist2 {
 
 impl Twist2 {
     /// Standing still.
-    pub const ZERO: Twist2 = Twist2 {
-        vx: 0.0,
-        vy: 0.0,
-        omega: 0.0,
-    };
+    pub const ZERO: Twist2 = Twist2 { vx: 0.0, vy: 0.0, omega: 0.0 };
 
     /// A velocity from its three components \[m/s, m/s, rad/s\].
     pub fn new(vx: f64, vy: f64, omega: f64) -> Self {
@@ -29,11 +25,7 @@ impl Twist2 {
 
     /// The velocity (v, omega) of a drive that cannot slide sideways \[m/s, rad/s\].
     pub fn forward(v: f64, omega: f64) -> Self {
-        Twist2 {
-            vx: v,
-            vy: 0.0,
-            omega,
-        }
+        Twist2 { vx: v, vy: 0.0, omega }
     }
 
     /// Speed over ground, whatever its direction \[m/s\].

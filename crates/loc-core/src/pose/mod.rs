@@ -36,19 +36,11 @@ pub struct Pose2 {
 
 impl Pose2 {
     /// The pose of a frame in itself.
-    pub const IDENTITY: Pose2 = Pose2 {
-        x: 0.0,
-        y: 0.0,
-        theta: 0.0,
-    };
+    pub const IDENTITY: Pose2 = Pose2 { x: 0.0, y: 0.0, theta: 0.0 };
 
     /// A pose from its position \[m\] and its heading \[rad\], which is wrapped.
     pub fn new(x: f64, y: f64, theta: f64) -> Self {
-        Pose2 {
-            x,
-            y,
-            theta: angle::wrap(theta),
-        }
+        Pose2 { x, y, theta: angle::wrap(theta) }
     }
 
     /// A pose from the vector (x, y, theta) \[m, m, rad\].
@@ -90,22 +82,14 @@ impl Pose2 {
     /// The pose that undoes this one.
     pub fn inverse(self) -> Pose2 {
         let (sin, cos) = self.theta.sin_cos();
-        Pose2::new(
-            -cos * self.x - sin * self.y,
-            sin * self.x - cos * self.y,
-            -self.theta,
-        )
+        Pose2::new(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.theta)
     }
 
     /// `other` as seen from this pose: `self.inverse() * other`.
     pub fn between(self, other: Pose2) -> Pose2 {
         let (sin, cos) = self.theta.sin_cos();
         let (dx, dy) = (other.x - self.x, other.y - self.y);
-        Pose2::new(
-            cos * dx + sin * dy,
-            cos * dy - sin * dx,
-            other.theta - self.theta,
-        )
+        Pose2::new(cos * dx + sin * dy, cos * dy - sin * dx, other.theta - self.theta)
     }
 
     /// A point of this pose's frame, in the frame that the pose is given in \[m\].
@@ -128,13 +112,7 @@ impl std::ops::Mul for Pose2 {
 
 impl std::fmt::Display for Pose2 {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "({:.3} m, {:.3} m, {:.2} deg)",
-            self.x,
-            self.y,
-            self.theta.to_degrees()
-        )
+        write!(f, "({:.3} m, {:.3} m, {:.2} deg)", self.x, self.y, self.theta.to_degrees())
     }
 }
 

@@ -49,11 +49,7 @@ impl Trajectory {
         }
         if let Some(last) = self.poses.last().filter(|last| last.stamp > stamp) {
             let what = "trajectory".to_owned();
-            return Err(Error::TimeBackwards {
-                what,
-                before: last.stamp,
-                after: stamp,
-            });
+            return Err(Error::TimeBackwards { what, before: last.stamp, after: stamp });
         }
         self.poses.push(Stamped { stamp, value: pose });
         Ok(())
@@ -94,10 +90,7 @@ impl Trajectory {
 
     /// Length of the polygon through the positions \[m\].
     pub fn path_length(&self) -> f64 {
-        self.poses
-            .windows(2)
-            .map(|pair| pair[0].value.distance(pair[1].value))
-            .sum()
+        self.poses.windows(2).map(|pair| pair[0].value.distance(pair[1].value)).sum()
     }
 
     /// The pose at a time between two poses: position and heading linearly in time, the heading

@@ -36,10 +36,7 @@ impl Trajectory {
             trajectory.push(stamp, pose)?;
         }
         if trajectory.is_empty() {
-            return Err(Error::Empty {
-                file: table.file().to_owned(),
-                what: "poses",
-            });
+            return Err(Error::Empty { file: table.file().to_owned(), what: "poses" });
         }
         Ok(trajectory)
     }

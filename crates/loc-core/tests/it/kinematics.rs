@@ -47,31 +47,15 @@ fn kurt2_agrees_with_the_right_handed_drive() {
 
 #[test]
 fn drives_refuse_what_they_cannot_do() {
-    assert!(matches!(
-        Differential::new(0.0),
-        Err(Error::OutOfRange { .. })
-    ));
-    assert!(matches!(
-        Ackermann::new(f64::NAN),
-        Err(Error::OutOfRange { .. })
-    ));
+    assert!(matches!(Differential::new(0.0), Err(Error::OutOfRange { .. })));
+    assert!(matches!(Ackermann::new(f64::NAN), Err(Error::OutOfRange { .. })));
     assert!(Mecanum::new(0.4, -1.0).is_err());
     let sideways = Twist2::new(1.0, 0.2, 0.0);
-    let message = Differential::new(0.4)
-        .unwrap()
-        .wheels(sideways)
-        .unwrap_err()
-        .to_string();
-    assert_eq!(
-        message,
-        "differential drive: cannot slide sideways at 0.2 m/s"
-    );
+    let message = Differential::new(0.4).unwrap().wheels(sideways).unwrap_err().to_string();
+    assert_eq!(message, "differential drive: cannot slide sideways at 0.2 m/s");
     let on_the_spot = Twist2::forward(0.0, 1.0);
     assert!(Ackermann::new(0.4).unwrap().wheels(on_the_spot).is_err());
-    assert_eq!(
-        Ackermann::new(0.4).unwrap().wheels(Twist2::ZERO).unwrap(),
-        (0.0, 0.0)
-    );
+    assert_eq!(Ackermann::new(0.4).unwrap().wheels(Twist2::ZERO).unwrap(), (0.0, 0.0));
 }
 
 /// A car of 2 m wheelbase steered by 45 degrees turns on a circle of 2 m.
@@ -90,27 +74,15 @@ fn ackermann_turns_about_the_meeting_point_of_its_axles() {
 #[test]
 fn mecanum_slides_and_notices_slip() {
     let drive = Mecanum::new(0.6, 0.4).unwrap();
-    let left = MecanumWheels {
-        front_left: -1.0,
-        front_right: 1.0,
-        rear_left: 1.0,
-        rear_right: -1.0,
-    };
+    let left =
+        MecanumWheels { front_left: -1.0, front_right: 1.0, rear_left: 1.0, rear_right: -1.0 };
     assert_eq!(drive.twist(left), Twist2::new(0.0, 1.0, 0.0));
     assert_relative_eq!(drive.slip(left), 0.0);
-    let spin = MecanumWheels {
-        front_left: -1.0,
-        front_right: 1.0,
-        rear_left: -1.0,
-        rear_right: 1.0,
-    };
+    let spin =
+        MecanumWheels { front_left: -1.0, front_right: 1.0, rear_left: -1.0, rear_right: 1.0 };
     assert_relative_eq!(drive.twist(spin).omega, 2.0);
-    let fighting = MecanumWheels {
-        front_left: 1.0,
-        front_right: 1.0,
-        rear_left: -1.0,
-        rear_right: -1.0,
-    };
+    let fighting =
+        MecanumWheels { front_left: 1.0, front_right: 1.0, rear_left: -1.0, rear_right: -1.0 };
     assert_relative_eq!(drive.slip(fighting), 2.0);
 }
 

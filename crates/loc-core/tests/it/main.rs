@@ -1,10 +1,5 @@
 //! Tests of `loc-core` through its public face, one module per module of the crate.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::float_cmp
-)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
 mod angle;
 mod finite_difference;

@@ -53,12 +53,8 @@ impl CameraCalibration {
     pub fn correct(&self, recorded: Sight) -> Sight {
         match recorded {
             Sight::RangeBearing { range, bearing } => self.correct_both(range, bearing),
-            Sight::Range { range } => Sight::Range {
-                range: range / self.range_scale,
-            },
-            Sight::Bearing { bearing } => Sight::Bearing {
-                bearing: bearing - self.bearing_bias,
-            },
+            Sight::Range { range } => Sight::Range { range: range / self.range_scale },
+            Sight::Bearing { bearing } => Sight::Bearing { bearing: bearing - self.bearing_bias },
         }
     }
 
@@ -66,19 +62,13 @@ impl CameraCalibration {
         let direction = bearing - self.bearing_bias;
         let range = range / self.range_scale;
         if !self.range_is_depth {
-            return Sight::RangeBearing {
-                range,
-                bearing: direction,
-            };
+            return Sight::RangeBearing { range, bearing: direction };
         }
         // The optical axis turns with the camera, so the depth follows the reported direction.
         if bearing.abs() > Self::WIDEST_DEPTH_BEARING {
             return Sight::Bearing { bearing: direction };
         }
-        Sight::RangeBearing {
-            range: range / bearing.cos(),
-            bearing: direction,
-        }
+        Sight::RangeBearing { range: range / bearing.cos(), bearing: direction }
     }
 }
 

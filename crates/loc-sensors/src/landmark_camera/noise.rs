@@ -18,11 +18,8 @@ pub struct LandmarkNoise {
 
 impl LandmarkNoise {
     /// A perfect camera.
-    pub const NONE: LandmarkNoise = LandmarkNoise {
-        range_sigma: 0.0,
-        range_sigma_per_m: 0.0,
-        bearing_sigma: 0.0,
-    };
+    pub const NONE: LandmarkNoise =
+        LandmarkNoise { range_sigma: 0.0, range_sigma_per_m: 0.0, bearing_sigma: 0.0 };
 
     /// Standard deviation of a distance of `range` \[m\].
     pub fn range_sigma_at(&self, range: f64) -> f64 {

@@ -82,12 +82,8 @@ impl Sight {
     /// # Errors
     /// [`crate::Error::OutOfRange`] for a negative distance, and for NaN and infinity.
     pub fn check(self) -> Result<Self> {
-        self.range().map_or(Ok(0.0), |range| {
-            non_negative("range to a landmark [m]", range)
-        })?;
-        self.bearing().map_or(Ok(0.0), |bearing| {
-            finite("bearing of a landmark [rad]", bearing)
-        })?;
+        self.range().map_or(Ok(0.0), |range| non_negative("range to a landmark [m]", range))?;
+        self.bearing().map_or(Ok(0.0), |bearing| finite("bearing of a landmark [rad]", bearing))?;
         Ok(self)
     }
 }

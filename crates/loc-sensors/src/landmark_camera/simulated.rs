@@ -41,15 +41,9 @@ impl LandmarkCamera {
     pub fn check(&self) -> Result<()> {
         positive("field of view [rad]", self.fov)?;
         non_negative("nearest range [m]", self.min_range)?;
-        positive(
-            "farthest range [m] minus nearest",
-            self.max_range - self.min_range,
-        )?;
+        positive("farthest range [m] minus nearest", self.max_range - self.min_range)?;
         probability("detection probability", self.detection_probability)?;
-        probability(
-            "wrong identity probability",
-            self.wrong_identity_probability,
-        )?;
+        probability("wrong identity probability", self.wrong_identity_probability)?;
         self.noise.check()
     }
 
@@ -82,10 +76,7 @@ impl LandmarkCamera {
             };
             if rng.random::<f64>() < self.detection_probability {
                 let landmark = self.read_number(*id, &in_reach, rng);
-                sightings.push(Sighting {
-                    landmark,
-                    sight: self.blur(range, bearing, rng),
-                });
+                sightings.push(Sighting { landmark, sight: self.blur(range, bearing, rng) });
             }
         }
         sightings
@@ -101,16 +92,8 @@ impl LandmarkCamera {
     /// The number that is read off a landmark, now and then that of another one in reach.
     fn read_number<R: Rng + ?Sized, P>(&self, id: u32, in_reach: &[(u32, P)], rng: &mut R) -> u32 {
         let wrong = rng.random::<f64>() < self.wrong_identity_probability;
-        let others: Vec<u32> = in_reach
-            .iter()
-            .map(|(n, _)| *n)
-            .filter(|n| *n != id)
-            .collect();
-        if wrong && !others.is_empty() {
-            others[rng.random_range(0..others.len())]
-        } else {
-            id
-        }
+        let others: Vec<u32> = in_reach.iter().map(|(n, _)| *n).filter(|n| *n != id).collect();
+        if wrong && !others.is_empty() { others[rng.random_range(0..others.len())] } else { id }
     }
 }
 

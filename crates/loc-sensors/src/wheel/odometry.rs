@@ -23,11 +23,7 @@ impl WheelOdometry {
     /// [`crate::Error::OutOfRange`] unless the track is positive.
     pub fn new(track: f64) -> Result<Self> {
         let drive = Differential::new(track)?;
-        Ok(WheelOdometry {
-            drive,
-            noise: VelocityNoise::NONE,
-            faults: WheelFaults::NONE,
-        })
+        Ok(WheelOdometry { drive, noise: VelocityNoise::NONE, faults: WheelFaults::NONE })
     }
 
     /// Adds random errors after the lectures' error model (E7).

@@ -1,0 +1,38 @@
+//! The one error type of this crate.
+
+/// What went wrong in a filter.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number, a distribution or a setting is wrong.
+    #[error(transparent)]
+    Core(#[from] loc_core::Error),
+    /// A map is wrong.
+    #[error(transparent)]
+    Map(#[from] loc_maps::Error),
+    /// A measurement holds NaN or infinity.
+    #[error("{what}: expected finite numbers, got {found}")]
+    NotFinite {
+        /// The vector.
+        what: &'static str,
+        /// Its elements.
+        found: String,
+    },
+    /// An input belongs to a time so far back that the filter has forgotten it.
+    #[error(
+        "{what} at {stamp} s: expected at most {horizon} s before {newest} s, the newest input"
+    )]
+    TooLate {
+        /// The input.
+        what: &'static str,
+        /// Its time \[s\].
+        stamp: f64,
+        /// Time of the newest input \[s\].
+        newest: f64,
+        /// How far back the filter remembers \[s\].
+        horizon: f64,
+    },
+}
+
+/// Shorthand for results of this crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;

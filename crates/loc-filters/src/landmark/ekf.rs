@@ -1,0 +1,82 @@
+//! The landmark EKF, as the lecture page has it (H2).
+
+use super::{
+    BearingModel, LandmarkSettings, Outcome, RangeBearingModel, RangeModel, VelocityMotion, Verdict,
+};
+use crate::{Error, ExtendedKalmanFilter, Gate, Result};
+use loc_core::{Gaussian, Twist2};
+use loc_maps::LandmarkMap;
+use loc_sensors::landmark_camera::{Sight, Sighting};
+use nalgebra::{Vector1, Vector2};
+
+/// Extended Kalman filter over (x, y, theta) \[m, m, rad\] with known landmarks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LandmarkEkf {
+    filter: ExtendedKalmanFilter<3>,
+    settings: LandmarkSettings,
+    gate: Gate,
+}
+
+impl LandmarkEkf {
+    /// A filter that starts from a belief over (x, y, theta).
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for a belief or settings that are not valid.
+    pub fn new(start: Gaussian<3>, settings: LandmarkSettings) -> Result<Self> {
+        let gate = settings.gate()?;
+        let filter = ExtendedKalmanFilter::new(start)?.with_angles(&[2]);
+        Ok(LandmarkEkf { filter, settings, gate })
+    }
+
+    /// What the filter believes now.
+    pub fn belief(&self) -> &Gaussian<3> {
+        self.filter.belief()
+    }
+
+    /// Drives on with velocity `twist` for `dt` \[s\].
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative time.
+    pub fn predict(&mut self, twist: Twist2, dt: f64) -> Result<()> {
+        crate::innovation::finite("velocity", &twist.to_vector())?;
+        loc_core::error::non_negative("time step [s]", dt)?;
+        let LandmarkSettings { integration, motion_noise: noise, .. } = self.settings;
+        self.filter.predict(&VelocityMotion { twist, dt, integration, noise })
+    }
+
+    /// Corrects with one sighting. Several of one moment are given one after the other; each is
+    /// then linearised where the one before has led, and gated for itself.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a sighting that is not finite or has a negative range.
+    pub fn correct(&mut self, map: &LandmarkMap, sighting: &Sighting) -> Result<Outcome> {
+        let sight = sighting.sight.check()?;
+        let verdict = match map.get(sighting.landmark) {
+            None => Verdict::UnknownLandmark,
+            Some(landmark) => {
+                let LandmarkSettings { mounting, sight_noise: noise, .. } = self.settings;
+                let landmark = landmark.position.xy();
+                self.judge(sight, RangeBearingModel { landmark, mounting, noise })?
+            }
+        };
+        Ok(Outcome { landmark: sighting.landmark, verdict })
+    }
+
+    fn judge(&mut self, sight: Sight, model: RangeBearingModel) -> Result<Verdict, Error> {
+        let (filter, gate) = (&mut self.filter, &self.gate);
+        Ok(match sight {
+            Sight::RangeBearing { range, bearing } => {
+                let z = Vector2::new(range, bearing);
+                Verdict::RangeBearing(filter.correct(&model, &z, gate)?)
+            }
+            Sight::Range { range } => {
+                Verdict::Range(filter.correct(&RangeModel(model), &Vector1::new(range), gate)?)
+            }
+            Sight::Bearing { bearing } => Verdict::Bearing(filter.correct(
+                &BearingModel(model),
+                &Vector1::new(bearing),
+                gate,
+            )?),
+        })
+    }
+}

@@ -1,0 +1,126 @@
+//! The models of H2: motion at a held velocity, and distance and direction of a landmark.
+
+use crate::extended::{LinearizedMotion, MeasurementModel, MotionModel};
+use loc_core::motion::{Integration, VelocityNoise};
+use loc_core::{Pose2, Twist2, angle};
+use loc_sensors::landmark_camera::LandmarkNoise;
+use nalgebra::{Matrix1, Matrix1x3, Matrix2, Matrix2x3, Point2, Vector1, Vector2, Vector3};
+
+/// A step at constant velocity (E2), with the lectures' error model (E7).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VelocityMotion {
+    /// The velocity.
+    pub twist: Twist2,
+    /// How long it lasts \[s\].
+    pub dt: f64,
+    /// The rule that makes a pose of it.
+    pub integration: Integration,
+    /// How far it may be off.
+    pub noise: VelocityNoise,
+}
+
+impl MotionModel<3> for VelocityMotion {
+    fn predict(&self, state: &Vector3<f64>) -> Vector3<f64> {
+        self.integration.step(Pose2::from_vector(state), self.twist, self.dt).to_vector()
+    }
+
+    fn linearize(&self, state: &Vector3<f64>) -> LinearizedMotion<3> {
+        let pose = Pose2::from_vector(state);
+        let (moved, f) = self.integration.step_with_jacobians(pose, self.twist, self.dt);
+        let control = self.noise.covariance(self.twist, self.dt);
+        LinearizedMotion {
+            state: moved.to_vector(),
+            jacobian: f.by_pose,
+            noise: f.by_twist * control * f.by_twist.transpose(),
+        }
+    }
+}
+
+/// Distance and direction of one landmark from a camera on the robot.
+///
+/// `h = (r, atan2(y_i - y, x_i - x) - theta)`, seen from the camera's place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RangeBearingModel {
+    /// The landmark in the map \[m\].
+    pub landmark: Point2<f64>,
+    /// The camera on the robot, `base_from_camera`.
+    pub mounting: Pose2,
+    /// How far sights may be off.
+    pub noise: LandmarkNoise,
+}
+
+/// Nearer than this \[m\] a landmark has no direction that a linear filter could use.
+const NEAREST: f64 = 1e-3;
+
+impl MeasurementModel<3, 2> for RangeBearingModel {
+    fn expect(&self, state: &Vector3<f64>) -> Vector2<f64> {
+        let camera = Pose2::from_vector(state) * self.mounting;
+        let (dx, dy) = (self.landmark.x - camera.x, self.landmark.y - camera.y);
+        Vector2::new(f64::hypot(dx, dy), angle::wrap(dy.atan2(dx) - camera.theta))
+    }
+
+    /// Rows `[(x-x_i)/r, (y-y_i)/r, .]` and `[-(y-y_i)/r^2, (x-x_i)/r^2, .]`; the last column
+    /// carries the camera's way round the robot's centre, and is (0, -1) for a camera there.
+    fn jacobian(&self, state: &Vector3<f64>) -> Matrix2x3<f64> {
+        let base = Pose2::from_vector(state);
+        let camera = base * self.mounting;
+        let (dx, dy) = (self.landmark.x - camera.x, self.landmark.y - camera.y);
+        let r = f64::hypot(dx, dy).max(NEAREST);
+        let (ux, uy) = (dx / r, dy / r);
+        // As the robot turns, its camera moves at a right angle to the lever arm.
+        let (lever_x, lever_y) = (camera.x - base.x, camera.y - base.y);
+        let range_by_theta = ux * lever_y - uy * lever_x;
+        let bearing_by_theta = -1.0 - (ux * lever_x + uy * lever_y) / r;
+        Matrix2x3::new(-ux, -uy, range_by_theta, uy / r, -ux / r, bearing_by_theta)
+    }
+
+    fn noise(&self, expected: &Vector2<f64>) -> Matrix2<f64> {
+        let range_sigma = self.noise.range_sigma_at(expected.x);
+        let bearing_sigma = self.noise.bearing_sigma;
+        Matrix2::from_diagonal(&Vector2::new(range_sigma.powi(2), bearing_sigma.powi(2)))
+    }
+
+    fn residual(&self, z: &Vector2<f64>, expected: &Vector2<f64>) -> Vector2<f64> {
+        Vector2::new(z.x - expected.x, angle::difference(z.y, expected.y))
+    }
+}
+
+/// The distance alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RangeModel(pub RangeBearingModel);
+
+impl MeasurementModel<3, 1> for RangeModel {
+    fn expect(&self, state: &Vector3<f64>) -> Vector1<f64> {
+        Vector1::new(self.0.expect(state).x)
+    }
+
+    fn jacobian(&self, state: &Vector3<f64>) -> Matrix1x3<f64> {
+        self.0.jacobian(state).row(0).into()
+    }
+
+    fn noise(&self, expected: &Vector1<f64>) -> Matrix1<f64> {
+        Matrix1::new(self.0.noise.range_sigma_at(expected.x).powi(2))
+    }
+}
+
+/// The direction alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BearingModel(pub RangeBearingModel);
+
+impl MeasurementModel<3, 1> for BearingModel {
+    fn expect(&self, state: &Vector3<f64>) -> Vector1<f64> {
+        Vector1::new(self.0.expect(state).y)
+    }
+
+    fn jacobian(&self, state: &Vector3<f64>) -> Matrix1x3<f64> {
+        self.0.jacobian(state).row(1).into()
+    }
+
+    fn noise(&self, _expected: &Vector1<f64>) -> Matrix1<f64> {
+        Matrix1::new(self.0.noise.bearing_sigma.powi(2))
+    }
+
+    fn residual(&self, z: &Vector1<f64>, expected: &Vector1<f64>) -> Vector1<f64> {
+        Vector1::new(angle::difference(z.x, expected.x))
+    }
+}

@@ -1,0 +1,56 @@
+//! The settings of landmark localization.
+
+use crate::{Gate, Result};
+use loc_core::Pose2;
+use loc_core::motion::{Integration, VelocityNoise};
+use loc_sensors::landmark_camera::LandmarkNoise;
+
+/// All that landmark localization can be told, with defaults that serve a small indoor robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct LandmarkSettings {
+    /// Rule that turns velocities into poses.
+    pub integration: Integration,
+    /// How far odometry may be off.
+    pub motion_noise: VelocityNoise,
+    /// How far sightings may be off.
+    pub sight_noise: LandmarkNoise,
+    /// The camera's pose on the robot, `base_from_camera`.
+    pub mounting: Pose2,
+    /// Share of right sightings that the gate lets pass, 1 for no gate.
+    pub gate_probability: f64,
+    /// How late an input may come \[s\].
+    pub horizon: f64,
+}
+
+impl LandmarkSettings {
+    /// Checks every value and computes the gate.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for noise without a sigma, probabilities outside (0, 1],
+    /// or values that are negative or not finite.
+    pub(crate) fn gate(&self) -> Result<Gate> {
+        self.sight_noise.check()?;
+        loc_core::error::positive("sigma of the range [m]", self.sight_noise.range_sigma)?;
+        loc_core::error::positive("sigma of the bearing [rad]", self.sight_noise.bearing_sigma)?;
+        self.motion_noise.check()?;
+        for value in [self.mounting.x, self.mounting.y, self.mounting.theta] {
+            loc_core::error::finite("mounting of the camera [m, m, rad]", value)?;
+        }
+        Gate::probability(self.gate_probability)
+    }
+}
+
+impl Default for LandmarkSettings {
+    fn default() -> Self {
+        LandmarkSettings {
+            integration: Integration::ExactArc,
+            motion_noise: VelocityNoise::default(),
+            sight_noise: LandmarkNoise::default(),
+            mounting: Pose2::IDENTITY,
+            gate_probability: 0.999,
+            horizon: 2.0,
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! Tests of `loc-filters` through its public face.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
+
+mod delayed;
+mod extended;
+mod innovation;
+mod kalman;
+mod landmark;
