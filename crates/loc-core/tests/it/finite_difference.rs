@@ -9,7 +9,7 @@ pub(crate) fn jacobian<const M: usize, const N: usize>(
     x: SVector<f64, N>,
     angle_row: Option<usize>,
 ) -> SMatrix<f64, M, N> {
-    let mut out = SMatrix::zeros();
+    let mut out = SMatrix::<f64, M, N>::zeros();
     for column in 0..N {
         let h = 1e-6 * (1.0 + x[column].abs());
         let (mut above, mut below) = (x, x);
