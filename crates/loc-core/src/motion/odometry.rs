@@ -42,9 +42,11 @@ impl OdometryMotion {
         let step = from.between(to);
         let distance = f64::hypot(step.x, step.y);
         if distance < Self::SHORTEST_DRIVE {
+            // The part along the heading, with its sign: the jitter of a robot that stands still
+            // must not add up to a drive forward.
             return OdometryMotion {
                 rot1: 0.0,
-                trans: distance,
+                trans: step.x,
                 rot2: step.theta,
             };
         }
