@@ -54,6 +54,12 @@ pub enum Error {
         /// The stamp that follows it \[s\].
         after: f64,
     },
+    /// A conclusion is asked for from an event that cannot happen.
+    #[error("{what}: the evidence has probability 0, so nothing follows from it")]
+    ImpossibleEvidence {
+        /// What was to be concluded.
+        what: &'static str,
+    },
     /// A file or folder cannot be read or written.
     #[error("{}: {source}", path.display())]
     Io {
@@ -102,7 +108,7 @@ impl Error {
 /// # Errors
 /// [`Error::OutOfRange`] for NaN and infinity.
 pub fn finite(what: &'static str, value: f64) -> Result<f64> {
-    in_range(what, "a finite number", value, |v| v.is_finite())
+    in_range(what, "a finite number", value, f64::is_finite)
 }
 
 /// Checks that `value` is finite and at least 0.
@@ -135,7 +141,8 @@ pub fn probability(what: &'static str, value: f64) -> Result<f64> {
     })
 }
 
-fn in_range(
+/// Checks `value` by a predicate; `expected` says in words what it allows.
+pub(crate) fn in_range(
     what: &'static str,
     expected: &'static str,
     found: f64,
