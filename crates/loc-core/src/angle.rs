@@ -16,14 +16,14 @@ pub fn wrap(angle: f64) -> f64 {
     if angle > -PI && angle <= PI {
         return angle;
     }
-    let wrapped = angle - TAU * ((angle - PI) / TAU).ceil();
-    // Rounding can leave a value just outside the half-open interval.
-    if wrapped <= -PI {
-        wrapped + TAU
-    } else if wrapped > PI {
-        PI
+    // The remainder is exact for angles of every size, and NaN for infinity.
+    let rest = angle % TAU;
+    if rest > PI {
+        rest - TAU
+    } else if rest <= -PI {
+        rest + TAU
     } else {
-        wrapped
+        rest
     }
 }
 
@@ -44,7 +44,7 @@ pub fn circular_mean(angles: impl IntoIterator<Item = f64>) -> Option<f64> {
 /// `None` where that sum vanishes.
 pub fn weighted_circular_mean(angles: impl IntoIterator<Item = (f64, f64)>) -> Option<f64> {
     let (sin, cos, total) = angles.into_iter().fold((0.0, 0.0, 0.0), |(s, c, n), (angle, w)| {
-        (s + w * angle.sin(), c + w * angle.cos(), n + w)
+        (s + w * angle.sin(), c + w * angle.cos(), n + w.abs())
     });
     let length: f64 = f64::hypot(sin, cos);
     // A resultant at the level of rounding has no direction.

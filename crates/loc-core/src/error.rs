@@ -54,6 +54,12 @@ pub enum Error {
         /// The stamp that follows it \[s\].
         after: f64,
     },
+    /// A conclusion is asked for from an event that cannot happen.
+    #[error("{what}: the evidence has probability 0, so nothing follows from it")]
+    ImpossibleEvidence {
+        /// What was to be concluded.
+        what: &'static str,
+    },
     /// A file or folder cannot be read or written.
     #[error("{}: {source}", path.display())]
     Io {
@@ -129,7 +135,8 @@ pub fn probability(what: &'static str, value: f64) -> Result<f64> {
     in_range(what, "a probability in [0, 1]", value, |v| (0.0..=1.0).contains(&v))
 }
 
-fn in_range(
+/// Checks `value` by a predicate; `expected` says in words what it allows.
+pub(crate) fn in_range(
     what: &'static str,
     expected: &'static str,
     found: f64,

@@ -142,6 +142,9 @@ pub fn pose_belief(pose: crate::Pose2, sigmas: [f64; 3]) -> Gaussian<3> {
     Gaussian { mean: pose.to_vector(), covariance: Matrix3::from_diagonal(&variances) }
 }
 
+/// How far rounding may carry a correlation matrix from symmetric and positive semi-definite.
+const COVARIANCE_TOLERANCE: f64 = 1e-9;
+
 /// Checks that a matrix is a covariance: finite, symmetric, no negative eigenvalue, each up to
 /// rounding.
 ///
@@ -151,18 +154,23 @@ pub fn check_covariance<const N: usize>(
     what: &'static str,
     matrix: &SMatrix<f64, N, N>,
 ) -> Result<()> {
-    let scale = matrix.amax();
-    let tolerance = 1e-9 * scale;
-    let symmetric = (matrix - matrix.transpose()).amax() <= tolerance;
-    if !scale.is_finite() || !matrix.iter().all(|v| v.is_finite()) || !symmetric {
-        return Err(not_semidefinite(what, matrix));
-    }
-    // Shifting by the tolerance lets semi-definite matrices through the strict factorisation.
-    let shifted = matrix + SMatrix::<f64, N, N>::identity() * (tolerance + f64::MIN_POSITIVE);
-    match Cholesky::new(shifted) {
-        Some(_) => Ok(()),
-        None => Err(not_semidefinite(what, matrix)),
-    }
+    // Each row is judged at the scale of its own variance, so that a wrong variance in rad^2 does
+    // not hide behind a large one in m^2. Below the floor a variance is 0 up to rounding.
+    let largest = matrix.diagonal().amax();
+    let floor = 1e-14 * largest + f64::MIN_POSITIVE;
+    let scales = matrix.diagonal().map(|variance| variance.max(floor).sqrt());
+    let mut shifted = SMatrix::<f64, N, N>::from_fn(|i, j| {
+        0.5 * (matrix[(i, j)] + matrix[(j, i)]) / (scales[i] * scales[j])
+    });
+    shifted.fill_diagonal(1.0 + COVARIANCE_TOLERANCE);
+    let asymmetry = SMatrix::<f64, N, N>::from_fn(|i, j| {
+        (matrix[(i, j)] - matrix[(j, i)]).abs() / (scales[i] * scales[j])
+    });
+    let allowed = matrix.iter().all(|value| value.is_finite())
+        && matrix.diagonal().iter().all(|&variance| variance >= -floor)
+        && asymmetry.amax() <= COVARIANCE_TOLERANCE
+        && Cholesky::new(shifted).is_some();
+    if allowed { Ok(()) } else { Err(not_semidefinite(what, matrix)) }
 }
 
 /// The Cholesky factor of a positive definite matrix.
@@ -173,15 +181,18 @@ pub fn cholesky<const N: usize>(
     what: &'static str,
     matrix: &SMatrix<f64, N, N>,
 ) -> Result<Cholesky<f64, Const<N>>> {
-    Cholesky::new(*matrix).ok_or_else(|| not_definite(what, matrix))
+    Cholesky::new(*matrix)
+        .filter(|factor| factor.l_dirty().iter().all(|value| value.is_finite()))
+        .ok_or_else(|| not_definite(what, matrix))
 }
 
 /// A lower triangular L with `L L^T = matrix`, for semi-definite matrices too: a pivot that
 /// vanishes leaves its column at zero.
 fn semidefinite_factor<const N: usize>(matrix: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
     let mut l = SMatrix::<f64, N, N>::zeros();
-    let smallest_pivot = 1e-14 * matrix.diagonal().amax();
     for j in 0..N {
+        // Rounding is relative to the row's own variance, whatever the units of the others.
+        let smallest_pivot = 1e-14 * matrix[(j, j)];
         let pivot = matrix[(j, j)] - (0..j).map(|k| l[(j, k)] * l[(j, k)]).sum::<f64>();
         if pivot <= smallest_pivot {
             continue;

@@ -7,14 +7,19 @@ pub mod frames;
 pub mod gaussian;
 pub mod kinematics;
 pub mod motion;
+pub mod normal;
 pub mod pose;
+pub mod probability;
 pub mod random;
+pub mod sampling;
+pub mod stats;
 pub mod table;
 pub mod trajectory;
 
 pub use error::{Error, Result};
 pub use gaussian::{Ellipse, Gaussian};
 pub use motion::Twist2;
+pub use normal::Normal;
 pub use pose::Pose2;
 pub use trajectory::{Stamped, Trajectory};
 

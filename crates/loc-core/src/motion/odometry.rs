@@ -42,7 +42,9 @@ impl OdometryMotion {
         let step = from.between(to);
         let distance = f64::hypot(step.x, step.y);
         if distance < Self::SHORTEST_DRIVE {
-            return OdometryMotion { rot1: 0.0, trans: distance, rot2: step.theta };
+            // The part along the heading, with its sign: the jitter of a robot that stands still
+            // must not add up to a drive forward.
+            return OdometryMotion { rot1: 0.0, trans: step.x, rot2: step.theta };
         }
         let direction = step.y.atan2(step.x);
         let backwards = direction.abs() > std::f64::consts::FRAC_PI_2;

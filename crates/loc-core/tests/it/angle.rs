@@ -32,4 +32,10 @@ proptest! {
         prop_assert!((wrapped.cos() - angle.cos()).abs() < 1e-9);
         prop_assert!(wrap(wrapped) == wrapped);
     }
+
+    #[test]
+    fn every_size_of_angle_ends_in_the_interval(angle in proptest::num::f64::NORMAL) {
+        let wrapped = wrap(angle);
+        prop_assert!(wrapped > -PI && wrapped <= PI, "{angle} became {wrapped}");
+    }
 }

@@ -1,0 +1,71 @@
+//! The chi-square distribution: how large the squared errors of an honest estimator are.
+
+use crate::error::{in_range, non_negative};
+use crate::{Error, Result};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::ops::RangeInclusive;
+
+/// More degrees of freedom than this no evaluation has, and the series of the distribution lose
+/// their digits.
+const MOST_FREEDOM: usize = 100_000_000;
+
+/// P(X <= x) of the chi-square distribution with `dof` degrees of freedom; `1 - cdf` is the
+/// p-value of a squared Mahalanobis distance `x`.
+///
+/// # Errors
+/// [`Error::Length`] for a `dof` outside 1..=10^8, [`Error::OutOfRange`] for an `x` that is
+/// negative or not finite.
+pub fn chi_square_cdf(dof: usize, x: f64) -> Result<f64> {
+    Ok(distribution(dof)?.cdf(non_negative("chi-square value", x)?))
+}
+
+/// The value that a share `p` of all draws from the chi-square distribution with `dof` degrees of
+/// freedom does not exceed: the gate for squared Mahalanobis distances.
+///
+/// # Errors
+/// [`Error::Length`] for a `dof` outside 1..=10^8, [`Error::OutOfRange`] for a `p` outside \[0, 1).
+pub fn chi_square_quantile(dof: usize, p: f64) -> Result<f64> {
+    let below_one = |p: f64| (0.0..1.0).contains(&p);
+    let p = in_range("share of the draws", "a probability in [0, 1)", p, below_one)?;
+    Ok(distribution(dof)?.inverse_cdf(p))
+}
+
+/// The interval that holds the share `confidence` of all draws from the chi-square distribution
+/// with `dof` degrees of freedom, and leaves out as many below as above.
+///
+/// # Errors
+/// [`Error::Length`] for a `dof` outside 1..=10^8, [`Error::OutOfRange`] for a `confidence`
+/// outside \[0, 1).
+pub fn chi_square_interval(dof: usize, confidence: f64) -> Result<RangeInclusive<f64>> {
+    let tail = 0.5 * (1.0 - check_confidence(confidence)?);
+    Ok(chi_square_quantile(dof, tail)?..=chi_square_quantile(dof, 1.0 - tail)?)
+}
+
+/// Where the mean of `runs` independent NEES (or NIS) values of `dof` degrees of freedom lies with
+/// probability `confidence`, if the estimator's covariances are right
+/// (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+///
+/// A mean above the band tells of an overconfident estimator, one below of a timid one.
+///
+/// # Errors
+/// [`Error::Length`] where `dof * runs` is outside 1..=10^8, [`Error::OutOfRange`] for a
+/// `confidence` outside \[0, 1).
+pub fn chi_square_band(dof: usize, runs: usize, confidence: f64) -> Result<RangeInclusive<f64>> {
+    let sum = chi_square_interval(dof.saturating_mul(runs), confidence)?;
+    let runs = runs as f64;
+    Ok(sum.start() / runs..=sum.end() / runs)
+}
+
+/// Checks that a confidence is in \[0, 1).
+pub(super) fn check_confidence(confidence: f64) -> Result<f64> {
+    in_range("confidence", "a probability in [0, 1)", confidence, |c| (0.0..1.0).contains(&c))
+}
+
+fn distribution(dof: usize) -> Result<ChiSquared> {
+    let refused =
+        || Error::Length { what: "degrees of freedom", expected: "1 to 10^8", found: dof };
+    if !(1..=MOST_FREEDOM).contains(&dof) {
+        return Err(refused());
+    }
+    ChiSquared::new(dof as f64).map_err(|_| refused())
+}
