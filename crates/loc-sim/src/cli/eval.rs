@@ -18,7 +18,7 @@ pub struct EvalArgs {
     /// How the estimate is carried into the frame of the reference.
     #[arg(long, value_enum, default_value_t)]
     pub align: Alignment,
-    /// Largest difference in time of two poses that belong together [s].
+    /// Largest difference in time of two poses that belong together, in seconds.
     #[arg(long, value_name = "S", default_value_t = EvalSettings::default().max_dt,
           value_parser = duration, allow_negative_numbers = true)]
     pub max_dt: f64,
@@ -78,16 +78,16 @@ fn table(evaluation: &Evaluation) -> String {
 
 fn heading() -> String {
     let names = ["rmse", "mean", "median", "std", "min", "max", "sse"];
-    let cells = names.map(|name| format!("{name:>12}")).concat();
+    let cells = names.map(|name| format!(" {name:>12}")).concat();
     format!("{:<15}{cells}", "")
 }
 
 fn row(name: &str, figures: Option<&Statistics>) -> String {
     let Some(s) = figures else {
-        return format!("{name:<15}{:>12}", "-");
+        return format!("{name:<15} {:>12}", "-");
     };
     let cells = [s.rmse, s.mean, s.median, s.std, s.min, s.max, s.sse]
-        .map(|value| format!("{value:>12.6}"))
+        .map(|value| format!(" {value:>12.6}"))
         .concat();
     format!("{name:<9} {:<5}{cells}", s.unit.symbol())
 }
