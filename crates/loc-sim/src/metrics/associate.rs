@@ -36,8 +36,8 @@ impl<P> Pair<P> {
 /// walked through (the estimate, where both are of one length), and each of its stamps takes the
 /// nearest of the longer list. One stamp of the longer list may be taken several times. Of two
 /// that are equally near, the earlier is taken; of several equal ones behind, the last, and of
-/// several equal ones ahead, the first. (Older versions, such as 1.31, take the first in both cases; without
-/// repeated stamps, the versions agree.)
+/// several equal ones ahead, the first. (Older versions of evo, such as 1.31, take the first of equal
+/// ones always, so their figures differ where the longer list repeats stamps.)
 pub fn associate(estimate: &[f64], reference: &[f64], max_dt: f64) -> Vec<(usize, usize)> {
     if estimate.len() > reference.len() {
         let taken = |(i, &stamp)| Some((nearest(stamp, estimate, max_dt)?, i));
