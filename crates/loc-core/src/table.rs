@@ -46,7 +46,12 @@ impl Table {
     /// The same over a text in memory; `file` is only named in errors.
     pub fn parse(file: impl Into<PathBuf>, text: impl Into<String>, columns: &[&str]) -> Self {
         let columns = columns.iter().map(|&c| c.to_owned()).collect();
-        Table { file: file.into(), text: text.into(), columns, optional: 0 }
+        let mut text = text.into();
+        // Some editors begin their files with a byte-order mark, which is no data.
+        if text.starts_with('\u{feff}') {
+            text.drain(..'\u{feff}'.len_utf8());
+        }
+        Table { file: file.into(), text, columns, optional: 0 }
     }
 
     /// Lets the last `count` columns be missing from a line.

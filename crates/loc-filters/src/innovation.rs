@@ -81,7 +81,7 @@ impl Gate {
     pub fn probability(probability: f64) -> Result<Self> {
         loc_core::error::probability("gate probability", probability)?;
         loc_core::error::positive("gate probability", probability)?;
-        if probability == 1.0 {
+        if probability >= 1.0 {
             return Ok(Gate::OPEN);
         }
         let mut thresholds = [f64::INFINITY; Gate::LARGEST];

@@ -1,5 +1,7 @@
 //! The one error type of this crate.
 
+use std::path::PathBuf;
+
 /// What went wrong, what was expected, what came instead, and where.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -7,6 +9,56 @@ pub enum Error {
     /// Anything that the crates below report: files, numbers, poses.
     #[error(transparent)]
     Core(#[from] loc_core::Error),
+    /// What a map reports.
+    #[error(transparent)]
+    Map(#[from] loc_maps::Error),
+    /// What a filter reports.
+    #[error(transparent)]
+    Filter(#[from] loc_filters::Error),
+    /// A recording whose parts do not fit together.
+    #[error("{}: expected {expected}, got {found}", path.display())]
+    Recording {
+        /// The file or folder.
+        path: PathBuf,
+        /// What was expected.
+        expected: String,
+        /// What came instead.
+        found: String,
+    },
+    /// A scenario or configuration that cannot be understood.
+    #[error("{file}: {message}")]
+    Config {
+        /// The file, or the name of the built-in scenario.
+        file: String,
+        /// Line, field, what was expected and what came.
+        message: String,
+    },
+    /// A name that nothing has.
+    #[error("{what}: expected one of {expected}, got `{found}`")]
+    UnknownName {
+        /// What was named.
+        what: &'static str,
+        /// The names there are.
+        expected: String,
+        /// The name that came.
+        found: String,
+    },
+    /// A method that cannot run on a source.
+    #[error("method {method}: expected {expected}, which {source_name} has not")]
+    Unsuitable {
+        /// The method.
+        method: String,
+        /// What it needs.
+        expected: &'static str,
+        /// The source.
+        source_name: String,
+    },
+    /// A run without a single true pose.
+    #[error("{source_name}: expected true poses to judge by, got none")]
+    NoTruth {
+        /// The source.
+        source_name: String,
+    },
     /// No two stamps of two trajectories lie close enough to belong together.
     #[error(
         "{estimate} (from {estimate_start} s to {estimate_end} s) and {reference} (from \

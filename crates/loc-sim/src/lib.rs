@@ -3,6 +3,13 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod error;
+pub mod event;
+pub mod localizer;
 pub mod metrics;
+pub mod output;
+pub mod record;
+pub mod runner;
+pub mod scenario;
+pub mod source;
 
 pub use error::{Error, Result};

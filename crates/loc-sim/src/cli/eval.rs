@@ -34,10 +34,7 @@ pub struct EvalArgs {
 pub fn run(args: &EvalArgs) -> anyhow::Result<()> {
     let estimate = SpatialTrajectory::read_tum(&args.estimate)?;
     let reference = SpatialTrajectory::read_tum(&args.reference)?;
-    let settings = EvalSettings {
-        align: args.align,
-        max_dt: args.max_dt,
-    };
+    let settings = EvalSettings { align: args.align, max_dt: args.max_dt };
     let evaluation = evaluate(&estimate, &reference, &settings)?;
     if args.json {
         super::print(&serde_json::to_string_pretty(&evaluation)?)
@@ -53,25 +50,15 @@ fn duration(text: &str) -> Result<f64, String> {
 
 /// The figures as a small table, without a line break at its end.
 fn table(evaluation: &Evaluation) -> String {
-    let Evaluation {
-        pairs,
-        align,
-        max_dt_s,
-        ..
-    } = evaluation;
+    let Evaluation { pairs, align, max_dt_s, .. } = evaluation;
     let rows = [
         ("ape", Some(&evaluation.ape)),
         ("ape_rot", Some(&evaluation.ape_rot)),
         ("rpe_trans", evaluation.rpe_trans.as_ref()),
         ("rpe_rot", evaluation.rpe_rot.as_ref()),
     ];
-    let mut lines = vec![
-        format!(
-            "{pairs} pairs within {max_dt_s} s, alignment {}",
-            align.name()
-        ),
-        heading(),
-    ];
+    let mut lines =
+        vec![format!("{pairs} pairs within {max_dt_s} s, alignment {}", align.name()), heading()];
     lines.extend(rows.map(|(name, figures)| row(name, figures)));
     lines.join("\n")
 }

@@ -96,10 +96,7 @@ fn fit_plane<P: RigidPose>(pairs: &[Pair<P>]) -> Result<Pose2> {
 
     let (mut dot, mut cross, mut spread_estimate, mut spread_reference) = (0.0, 0.0, 0.0, 0.0);
     for point in points() {
-        let (a, b) = (
-            point.estimate - mean_estimate,
-            point.reference - mean_reference,
-        );
+        let (a, b) = (point.estimate - mean_estimate, point.reference - mean_reference);
         dot += a.dot(&b);
         cross += a.perp(&b);
         spread_estimate += a.norm_squared();

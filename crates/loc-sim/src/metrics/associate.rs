@@ -22,10 +22,7 @@ pub struct Pair<P> {
 impl<P> Pair<P> {
     /// A pair of poses.
     pub fn new(estimate: P, reference: P) -> Self {
-        Pair {
-            estimate,
-            reference,
-        }
+        Pair { estimate, reference }
     }
 }
 

@@ -18,10 +18,7 @@ pub struct EvalSettings {
 impl Default for EvalSettings {
     /// No alignment, 0.01 s.
     fn default() -> Self {
-        EvalSettings {
-            align: Alignment::None,
-            max_dt: 0.01,
-        }
+        EvalSettings { align: Alignment::None, max_dt: 0.01 }
     }
 }
 
@@ -107,12 +104,7 @@ fn paired(
 /// The first and the last stamp \[s\].
 fn span(what: &'static str, trajectory: &SpatialTrajectory) -> Result<(f64, f64)> {
     match trajectory.poses() {
-        [] => Err(loc_core::Error::Length {
-            what,
-            expected: "at least 1 pose",
-            found: 0,
-        }
-        .into()),
+        [] => Err(loc_core::Error::Length { what, expected: "at least 1 pose", found: 0 }.into()),
         [only] => Ok((only.stamp, only.stamp)),
         [first, .., last] => Ok((first.stamp, last.stamp)),
     }

@@ -24,9 +24,7 @@ pub fn translation_errors<P: RigidPose>(pairs: &[Pair<P>]) -> Vec<f64> {
 
 /// Angle of the rotation that is between the two motions of each step, in \[0, 180\] \[deg\].
 pub fn rotation_errors<P: RigidPose>(pairs: &[Pair<P>]) -> Vec<f64> {
-    errors(pairs)
-        .map(|error| error.rotation_angle().to_degrees())
-        .collect()
+    errors(pairs).map(|error| error.rotation_angle().to_degrees()).collect()
 }
 
 /// The estimated motion as seen from the true one, from each pair to the next.

@@ -25,10 +25,7 @@ pub struct SpatialTrajectory {
 impl SpatialTrajectory {
     /// A trajectory without poses.
     pub fn new(name: impl Into<String>) -> Self {
-        SpatialTrajectory {
-            name: name.into(),
-            poses: Vec::new(),
-        }
+        SpatialTrajectory { name: name.into(), poses: Vec::new() }
     }
 
     /// Reads a TUM file, `timestamp tx ty tz qx qy qz qw` a line. Quaternions need not be of unit
@@ -49,7 +46,6 @@ impl SpatialTrajectory {
     /// Those of [`SpatialTrajectory::read_tum`], without [`Error::Io`].
     pub fn parse_tum(path: impl AsRef<Path>, text: &str) -> Result<Self> {
         let path = path.as_ref();
-        let text = text.trim_start_matches('\u{feff}');
         let table = Table::parse(path, text, &COLUMNS);
         let mut trajectory = SpatialTrajectory::new(path.display().to_string());
         for row in table.rows() {
@@ -57,18 +53,12 @@ impl SpatialTrajectory {
             let stamp = row.number("timestamp")?;
             if trajectory.last_stamp().is_some_and(|last| last > stamp) {
                 let expected = "a stamp not before the last one";
-                return Err(row
-                    .error("timestamp", expected, row.text("timestamp")?)
-                    .into());
+                return Err(row.error("timestamp", expected, row.text("timestamp")?).into());
             }
             trajectory.push(stamp, pose(&row)?)?;
         }
         if trajectory.poses.is_empty() {
-            return Err(Error::Empty {
-                file: path.to_owned(),
-                what: "poses",
-            }
-            .into());
+            return Err(Error::Empty { file: path.to_owned(), what: "poses" }.into());
         }
         Ok(trajectory)
     }
@@ -84,12 +74,9 @@ impl SpatialTrajectory {
             loc_core::error::finite("trajectory pose", value)?;
         }
         if let Some(before) = self.last_stamp().filter(|&last| last > stamp) {
-            return Err(Error::TimeBackwards {
-                what: self.name.clone(),
-                before,
-                after: stamp,
-            }
-            .into());
+            return Err(
+                Error::TimeBackwards { what: self.name.clone(), before, after: stamp }.into()
+            );
         }
         self.poses.push(Stamped { stamp, value: pose });
         Ok(())
@@ -140,9 +127,7 @@ fn pose(row: &Row<'_>) -> Result<Isometry3<f64>> {
         }
         _ => {
             let found = format!("{x} {y} {z} {}", quaternion.w);
-            Err(row
-                .error("qx", "a quaternion to be normalised", &found)
-                .into())
+            Err(row.error("qx", "a quaternion to be normalised", &found).into())
         }
     }
 }

@@ -88,18 +88,10 @@ impl Statistics {
 impl Serialize for Statistics {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         let [rmse, mean, median, std, min, max, sse] = match self.unit {
-            Unit::Metre => [
-                "rmse_m", "mean_m", "median_m", "std_m", "min_m", "max_m", "sse_m2",
-            ],
-            Unit::Degree => [
-                "rmse_deg",
-                "mean_deg",
-                "median_deg",
-                "std_deg",
-                "min_deg",
-                "max_deg",
-                "sse_deg2",
-            ],
+            Unit::Metre => ["rmse_m", "mean_m", "median_m", "std_m", "min_m", "max_m", "sse_m2"],
+            Unit::Degree => {
+                ["rmse_deg", "mean_deg", "median_deg", "std_deg", "min_deg", "max_deg", "sse_deg2"]
+            }
         };
         let mut object = serializer.serialize_struct("Statistics", 8)?;
         object.serialize_field("count", &self.count)?;

@@ -44,17 +44,10 @@ fn json_holds_every_figure_with_its_unit() {
     assert_eq!(json["pairs"], 16);
     assert_eq!(json["align"], "se2");
     assert_eq!(json["max_dt_s"], 0.01);
-    for (block, unit) in [
-        ("ape", "m"),
-        ("ape_rot", "deg"),
-        ("rpe_trans", "m"),
-        ("rpe_rot", "deg"),
-    ] {
+    for (block, unit) in [("ape", "m"), ("ape_rot", "deg"), ("rpe_trans", "m"), ("rpe_rot", "deg")]
+    {
         for name in ["rmse", "mean", "median", "std", "min", "max"] {
-            assert!(
-                json[block][format!("{name}_{unit}")].is_f64(),
-                "{block} {name}"
-            );
+            assert!(json[block][format!("{name}_{unit}")].is_f64(), "{block} {name}");
         }
         assert!(json[block][format!("sse_{unit}2")].is_f64());
     }
@@ -67,10 +60,7 @@ fn the_table_has_a_line_for_each_figure() {
     let text = stdout(&eval(&["estimate.tum", "reference.tum"]));
     assert!(text.starts_with("16 pairs within 0.01 s, alignment none\n"));
     for name in ["ape ", "ape_rot ", "rpe_trans ", "rpe_rot "] {
-        assert_eq!(
-            text.lines().filter(|line| line.starts_with(name)).count(),
-            1
-        );
+        assert_eq!(text.lines().filter(|line| line.starts_with(name)).count(), 1);
     }
     assert!(text.contains("1.300093"));
 }
@@ -85,20 +75,14 @@ fn the_largest_difference_in_time_is_a_choice() {
 #[test]
 fn failures_are_one_line_with_the_file_and_exit_code_1() {
     for (arguments, expected) in [
-        (
-            ["estimate.tum", "missing.tum"],
-            "error: missing.tum: No such file",
-        ),
+        (["estimate.tum", "missing.tum"], "error: missing.tum: No such file"),
         (["estimate.tum", "empty.tum"], "error: empty.tum: poses"),
     ] {
         let (code, text) = failure(&eval(&arguments));
         assert_eq!(code, 1);
         assert!(text.starts_with(expected), "{text}");
         assert_eq!(text.lines().count(), 1, "{text}");
-        assert_eq!(
-            text.matches("(os error 2)").count() + text.matches("holds none").count(),
-            1
-        );
+        assert_eq!(text.matches("(os error 2)").count() + text.matches("holds none").count(), 1);
     }
 }
 

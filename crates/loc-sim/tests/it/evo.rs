@@ -180,10 +180,7 @@ const SPACE_SE2: Figures = [
 fn evaluated(recording: &Recording, align: Alignment) -> Evaluation {
     let estimate = SpatialTrajectory::parse_tum("estimate.tum", &recording.estimate).unwrap();
     let reference = SpatialTrajectory::parse_tum("reference.tum", &recording.reference).unwrap();
-    let settings = EvalSettings {
-        align,
-        ..EvalSettings::default()
-    };
+    let settings = EvalSettings { align, ..EvalSettings::default() };
     evaluate(&estimate, &reference, &settings).unwrap()
 }
 

@@ -1,13 +1,9 @@
 //! Tests of `loc-sim` through its public face, one module per topic.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::float_cmp
-)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
 #[cfg(feature = "cli")]
 mod eval;
 mod evo;
+mod figures;
 mod metrics;
 mod recordings;

@@ -30,10 +30,7 @@ fn trajectories(pairs: &[Pair<Pose2>]) -> (SpatialTrajectory, SpatialTrajectory)
         estimate.push(i as f64, pair.estimate).unwrap();
         reference.push(i as f64, pair.reference).unwrap();
     }
-    (
-        SpatialTrajectory::from(&estimate),
-        SpatialTrajectory::from(&reference),
-    )
+    (SpatialTrajectory::from(&estimate), SpatialTrajectory::from(&reference))
 }
 
 mod association {
@@ -42,15 +39,9 @@ mod association {
     #[test]
     fn takes_the_nearest_and_the_limit_itself() {
         let reference = [0.0, 0.25, 0.5, 0.75, 1.0];
-        assert_eq!(
-            associate(&[0.125, 0.625], &reference, 0.125),
-            [(0, 0), (1, 2)]
-        );
+        assert_eq!(associate(&[0.125, 0.625], &reference, 0.125), [(0, 0), (1, 2)]);
         assert_eq!(associate(&[0.3, 0.7], &reference, 0.125), [(0, 1), (1, 3)]);
-        assert_eq!(
-            associate(&[-0.25, 1.25], &reference, 0.25),
-            [(0, 0), (1, 4)]
-        );
+        assert_eq!(associate(&[-0.25, 1.25], &reference, 0.25), [(0, 0), (1, 4)]);
         assert_eq!(associate(&[-0.26, 1.26], &reference, 0.25), []);
     }
 
@@ -117,11 +108,7 @@ mod by_hand {
         let heading = (2.0 * 90.0_f64.powi(2) / 3.0).sqrt();
         assert_relative_eq!(errors.heading_rmse_deg, heading, epsilon = 1e-9);
         // The second step is right, one metre ahead; the first is 1 m and 90 degrees wrong.
-        assert_relative_eq!(
-            errors.rpe_trans_rmse_m.unwrap(),
-            0.5_f64.sqrt(),
-            epsilon = 1e-12
-        );
+        assert_relative_eq!(errors.rpe_trans_rmse_m.unwrap(), 0.5_f64.sqrt(), epsilon = 1e-12);
         let turn = 90.0 * 0.5_f64.sqrt();
         assert_relative_eq!(errors.rpe_rot_rmse_deg.unwrap(), turn, epsilon = 1e-9);
     }
@@ -132,10 +119,7 @@ mod by_hand {
         let expected = (std::f64::consts::TAU - 6.2).to_degrees();
         assert_relative_eq!(ape::rotation_errors(&[pair])[0], expected, epsilon = 1e-9);
         // Fields are public, so a heading may come unwrapped.
-        let unwrapped = Pose2 {
-            theta: 7.0,
-            ..Pose2::IDENTITY
-        };
+        let unwrapped = Pose2 { theta: 7.0, ..Pose2::IDENTITY };
         let pair = Pair::new(unwrapped, Pose2::IDENTITY);
         let expected = (7.0 - std::f64::consts::TAU).to_degrees();
         assert_relative_eq!(ape::rotation_errors(&[pair])[0], expected, epsilon = 1e-9);
@@ -147,10 +131,7 @@ mod by_hand {
         let evaluation = evaluate(&estimate, &reference, &EvalSettings::default()).unwrap();
         assert_eq!((evaluation.rpe_trans, evaluation.rpe_rot), (None, None));
         let errors = planar_errors(&drive(1), Alignment::None).unwrap();
-        assert_eq!(
-            (errors.rpe_trans_rmse_m, errors.rpe_rot_rmse_deg),
-            (None, None)
-        );
+        assert_eq!((errors.rpe_trans_rmse_m, errors.rpe_rot_rmse_deg), (None, None));
         let json = serde_json::to_value(&evaluation).unwrap();
         assert!(json["rpe_trans"].is_null() && json["ape"]["rmse_m"].is_f64());
     }
@@ -165,24 +146,15 @@ mod properties {
         let (estimate, reference) = trajectories(&pairs);
         for align in ALIGNMENTS {
             let planar = planar_errors(&pairs, align).unwrap();
-            let settings = EvalSettings {
-                align,
-                ..EvalSettings::default()
-            };
+            let settings = EvalSettings { align, ..EvalSettings::default() };
             let spatial = evaluate(&estimate, &reference, &settings).unwrap();
             let both = [
                 (planar.ate_rmse_m, spatial.ape.rmse),
                 (planar.ate_median_m, spatial.ape.median),
                 (planar.ate_max_m, spatial.ape.max),
                 (planar.heading_rmse_deg, spatial.ape_rot.rmse),
-                (
-                    planar.rpe_trans_rmse_m.unwrap(),
-                    spatial.rpe_trans.unwrap().rmse,
-                ),
-                (
-                    planar.rpe_rot_rmse_deg.unwrap(),
-                    spatial.rpe_rot.unwrap().rmse,
-                ),
+                (planar.rpe_trans_rmse_m.unwrap(), spatial.rpe_trans.unwrap().rmse),
+                (planar.rpe_rot_rmse_deg.unwrap(), spatial.rpe_rot.unwrap().rmse),
             ];
             for (planar, spatial) in both {
                 assert_relative_eq!(planar, spatial, epsilon = 1e-10);
@@ -201,10 +173,7 @@ mod properties {
             for align in [Alignment::Origin, Alignment::Se2] {
                 let errors = planar_errors(&pairs, align).unwrap();
                 assert!(errors.ate_max_m < 1e-8, "{align:?} {theta}: {errors:?}");
-                assert!(
-                    errors.heading_rmse_deg < 1e-8,
-                    "{align:?} {theta}: {errors:?}"
-                );
+                assert!(errors.heading_rmse_deg < 1e-8, "{align:?} {theta}: {errors:?}");
             }
         }
     }
@@ -290,9 +259,7 @@ mod refusals {
     const LINE: &str = "1.0 0 0 0 0 0 0 1\n";
 
     fn refused(text: &str) -> String {
-        SpatialTrajectory::parse_tum("path.tum", text)
-            .unwrap_err()
-            .to_string()
+        SpatialTrajectory::parse_tum("path.tum", text).unwrap_err().to_string()
     }
 
     #[test]
@@ -338,10 +305,7 @@ mod refusals {
         assert!(evaluate(&none, &some, &EvalSettings::default()).is_err());
         assert!(evaluate(&some, &none, &EvalSettings::default()).is_err());
         for max_dt in [-1.0, f64::NAN, f64::INFINITY] {
-            let settings = EvalSettings {
-                max_dt,
-                ..EvalSettings::default()
-            };
+            let settings = EvalSettings { max_dt, ..EvalSettings::default() };
             assert!(evaluate(&some, &some, &settings).is_err(), "{max_dt}");
         }
         assert!(planar_errors(&[], Alignment::None).is_err());
@@ -352,17 +316,10 @@ mod refusals {
     fn poses_that_are_not_numbers() {
         let mut trajectory = SpatialTrajectory::new("demo");
         assert!(trajectory.push(f64::NAN, Isometry3::identity()).is_err());
-        assert!(
-            trajectory
-                .push(0.0, Isometry3::translation(0.0, f64::INFINITY, 0.0))
-                .is_err()
-        );
+        assert!(trajectory.push(0.0, Isometry3::translation(0.0, f64::INFINITY, 0.0)).is_err());
         trajectory.push(1.0, Isometry3::identity()).unwrap();
         assert!(trajectory.push(0.0, Isometry3::identity()).is_err());
-        let broken = Pose2 {
-            x: f64::NAN,
-            ..Pose2::IDENTITY
-        };
+        let broken = Pose2 { x: f64::NAN, ..Pose2::IDENTITY };
         for align in ALIGNMENTS {
             assert!(planar_errors(&[Pair::new(broken, broken); 3], align).is_err());
         }

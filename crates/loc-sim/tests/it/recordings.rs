@@ -13,23 +13,14 @@ pub(crate) fn planar() -> Recording {
     let (mut estimate, mut reference) = (String::from("# t x y z qx qy qz qw\n"), String::new());
     for i in 0..200 {
         let t = 0.05 * f64::from(i);
-        write_pose(
-            &mut reference,
-            t,
-            [curve_x(t), curve_y(t), 0.0],
-            turn(t),
-            1.0,
-        );
+        write_pose(&mut reference, t, [curve_x(t), curve_y(t), 0.0], turn(t), 1.0);
     }
     for i in (0..70).filter(|i| !(20..34).contains(i)) {
         let t = 0.003 + f64::from(i) / 7.0;
         let position = [1.2 + curve_x(t) + 0.02 * t, curve_y(t) - 0.1 * t.sin(), 0.0];
         write_pose(&mut estimate, t, position, turn(t + 0.05 * t.cos()), 1.0);
     }
-    Recording {
-        estimate,
-        reference,
-    }
+    Recording { estimate, reference }
 }
 
 /// In space: an estimate at 50 Hz whose stamps come in twos, its quaternions not of unit length,
@@ -50,10 +41,7 @@ pub(crate) fn space() -> Recording {
         let late = position.map(|value| value + 0.01);
         write_pose(&mut estimate, start + t, late, tumble(t), 1.0);
     }
-    Recording {
-        estimate,
-        reference,
-    }
+    Recording { estimate, reference }
 }
 
 fn curve_x(t: f64) -> f64 {
@@ -72,12 +60,7 @@ fn turn(t: f64) -> [f64; 4] {
 
 /// A quaternion (x, y, z, w) of unit length that turns about all axes.
 fn tumble(t: f64) -> [f64; 4] {
-    let q = [
-        0.4 * t.sin(),
-        0.3 * (2.0 * t).cos(),
-        (0.8 * t).sin(),
-        (0.8 * t).cos(),
-    ];
+    let q = [0.4 * t.sin(), 0.3 * (2.0 * t).cos(), (0.8 * t).sin(), (0.8 * t).cos()];
     let norm = q.iter().map(|v| v * v).sum::<f64>().sqrt();
     q.map(|v| v / norm)
 }

@@ -1,0 +1,75 @@
+//! `ekf`: the extended Kalman filter with landmarks (H2).
+
+use super::{Estimate, Judgement, Localizer};
+use crate::event::{Control, Measurement};
+use crate::source::Setup;
+use crate::{Error, Result};
+use loc_core::Pose2;
+use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, Outcome};
+use loc_sensors::landmark_camera::{Sight, Sighting};
+use nalgebra::Point2;
+
+#[derive(Debug)]
+pub(super) struct Ekf {
+    localizer: LandmarkLocalizer,
+    mounting: Pose2,
+}
+
+impl Ekf {
+    pub(super) fn new(setup: &Setup, settings: LandmarkSettings) -> Result<Self> {
+        if setup.landmarks.is_empty() {
+            return Err(Error::Unsuitable {
+                method: "ekf".into(),
+                expected: "landmarks",
+                source_name: setup.name.clone(),
+            });
+        }
+        let map = setup.landmarks.clone();
+        let localizer = LandmarkLocalizer::new(map, settings, setup.start, setup.start_belief)?;
+        Ok(Ekf { localizer, mounting: settings.mounting })
+    }
+
+    fn judge(&self, pose: Pose2, outcome: &Outcome, sighting: &Sighting) -> Judgement {
+        Judgement {
+            accepted: outcome.accepted(),
+            nis: outcome.nis(),
+            degrees_of_freedom: outcome.degrees_of_freedom(),
+            seen_at: match sighting.sight {
+                Sight::RangeBearing { range, bearing } => {
+                    let (sin, cos) = bearing.sin_cos();
+                    let in_camera = Point2::new(range * cos, range * sin);
+                    Some((pose * self.mounting).transform(&in_camera))
+                }
+                Sight::Range { .. } | Sight::Bearing { .. } => None,
+            },
+        }
+    }
+}
+
+impl Localizer for Ekf {
+    fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
+        if let Control::Velocity(twist) = control {
+            self.localizer.velocity(stamp, *twist)?;
+        }
+        Ok(())
+    }
+
+    fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
+        let Measurement::Landmarks(sightings) = measurement else { return Ok(Vec::new()) };
+        let outcomes = match self.localizer.sightings(stamp, sightings) {
+            Ok(outcomes) => outcomes,
+            // A measurement beyond the horizon is lost to this method, not to the run.
+            Err(loc_filters::Error::TooLate { .. }) => {
+                return Ok(vec![Judgement::REFUSED; sightings.len()]);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let pose = self.localizer.estimate(stamp)?.pose();
+        let pairs = outcomes.iter().zip(sightings);
+        Ok(pairs.map(|(outcome, sighting)| self.judge(pose, outcome, sighting)).collect())
+    }
+
+    fn estimate(&self, stamp: f64) -> Result<Estimate> {
+        Ok(self.localizer.estimate(stamp)?.into())
+    }
+}

@@ -1,0 +1,89 @@
+//! The methods by name.
+
+use super::Localizer;
+use super::dead_reckoning::DeadReckoning;
+use super::ekf::Ekf;
+use super::rail::RailFilter;
+use crate::source::Setup;
+use crate::{Error, Result};
+use loc_filters::landmark::LandmarkSettings;
+use std::str::FromStr;
+
+/// A method that a run can use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Method {
+    /// Odometry alone (E).
+    DeadReckoning,
+    /// The linear Kalman filter of a vehicle on a rail (G).
+    Kf,
+    /// The extended Kalman filter with landmarks (H2).
+    Ekf,
+}
+
+/// What the methods are told about the robot and its sensors.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MethodSettings {
+    /// For a robot in the plane.
+    pub landmark: LandmarkSettings,
+    /// For a vehicle on a rail.
+    pub rail: RailSettings,
+}
+
+/// What a filter knows about a vehicle on a rail.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RailSettings {
+    /// Standard deviation of the commanded acceleration \[m/s^2\].
+    pub acceleration_sigma: f64,
+    /// Standard deviation of each position sensor \[m\].
+    pub sensor_sigmas: Vec<f64>,
+}
+
+impl Method {
+    /// Every method, in the order in which tables list them.
+    pub const ALL: [Method; 3] = [Method::DeadReckoning, Method::Kf, Method::Ekf];
+
+    /// The name, as the command line has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::DeadReckoning => "dead-reckoning",
+            Method::Kf => "kf",
+            Method::Ekf => "ekf",
+        }
+    }
+
+    /// The method, ready to run on a source.
+    ///
+    /// # Errors
+    /// [`Error::Unsuitable`] where the source lacks what the method needs, and settings that the
+    /// filter refuses.
+    pub fn start(self, setup: &Setup, settings: &MethodSettings) -> Result<Box<dyn Localizer>> {
+        Ok(match self {
+            Method::DeadReckoning if setup.rail.is_some() => {
+                Box::new(RailFilter::new(self.name(), setup, &settings.rail, false)?)
+            }
+            Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings.landmark)?),
+            Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
+            Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
+        })
+    }
+}
+
+impl FromStr for Method {
+    type Err = Error;
+    fn from_str(name: &str) -> Result<Self> {
+        Method::ALL.into_iter().find(|method| method.name() == name).ok_or_else(|| {
+            Error::UnknownName {
+                what: "method",
+                expected: Method::ALL.map(Method::name).join(", "),
+                found: name.into(),
+            }
+        })
+    }
+}
+
+impl std::fmt::Display for Method {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}

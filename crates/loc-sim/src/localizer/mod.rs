@@ -1,0 +1,73 @@
+//! One adapter per method between the event stream and a filter.
+//!
+//! A new method is one file here that implements [`Localizer`], and one line in [`Method`].
+
+mod dead_reckoning;
+mod ekf;
+mod method;
+mod rail;
+
+pub use method::{Method, MethodSettings, RailSettings};
+
+use crate::Result;
+use crate::event::{Control, Measurement};
+use loc_core::{Gaussian, Pose2};
+use nalgebra::{Matrix3, Point2};
+
+/// A method that follows a robot through a stream of events.
+pub trait Localizer {
+    /// Takes in a control that holds from `stamp` \[s\] on.
+    ///
+    /// # Errors
+    /// What the filter refuses.
+    fn predict(&mut self, stamp: f64, control: &Control) -> Result<()>;
+
+    /// Takes in a measurement of time `stamp` \[s\]; the answer judges each part of it. A method
+    /// that has no use for it answers with nothing.
+    ///
+    /// # Errors
+    /// What the filter refuses.
+    fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>>;
+
+    /// The estimate for a time \[s\] not before the last input.
+    ///
+    /// # Errors
+    /// What the filter refuses.
+    fn estimate(&self, stamp: f64) -> Result<Estimate>;
+}
+
+/// Where a method believes the robot to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The pose in the map.
+    pub pose: Pose2,
+    /// Its covariance over (x, y, theta), where the method has one.
+    pub covariance: Option<Matrix3<f64>>,
+    /// Position \[m\] and speed \[m/s\] along the rail, for a vehicle on one.
+    pub rail: Option<Gaussian<2>>,
+}
+
+impl From<Gaussian<3>> for Estimate {
+    fn from(belief: Gaussian<3>) -> Self {
+        Estimate { pose: belief.pose(), covariance: Some(belief.covariance), rail: None }
+    }
+}
+
+/// What a method made of one measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Judgement {
+    /// Whether it changed the belief.
+    pub accepted: bool,
+    /// Normalised innovation squared, where the method computes one.
+    pub nis: Option<f64>,
+    /// How many numbers were measured.
+    pub degrees_of_freedom: usize,
+    /// Where the measurement puts the thing it saw, from the method's pose \[m\].
+    pub seen_at: Option<Point2<f64>>,
+}
+
+impl Judgement {
+    /// A measurement that was turned away before it was looked at.
+    pub const REFUSED: Judgement =
+        Judgement { accepted: false, nis: None, degrees_of_freedom: 0, seen_at: None };
+}

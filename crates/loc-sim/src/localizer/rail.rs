@@ -1,0 +1,110 @@
+//! `kf`, and `dead-reckoning` for a vehicle on a rail: the linear Kalman filter (G3, G4).
+
+use super::{Estimate, Judgement, Localizer, RailSettings};
+use crate::event::{Control, Measurement};
+use crate::source::Setup;
+use crate::{Error, Result};
+use loc_core::{Gaussian, Pose2};
+use loc_filters::kalman::{KalmanFilter, LinearMeasurement, LinearMotion};
+use loc_filters::{Gate, Innovation};
+use nalgebra::{Matrix1, Matrix1x2, Matrix2, Matrix2x1, Matrix3, Vector1};
+
+/// State (x, v) \[m, m/s\] under a commanded acceleration.
+#[derive(Debug)]
+pub(super) struct RailFilter {
+    filter: KalmanFilter<2>,
+    stamp: f64,
+    acceleration: f64,
+    settings: RailSettings,
+    corrects: bool,
+}
+
+impl RailFilter {
+    /// With `corrects` the Kalman filter, without it its prediction alone.
+    pub(super) fn new(
+        method: &str,
+        setup: &Setup,
+        settings: &RailSettings,
+        corrects: bool,
+    ) -> Result<Self> {
+        let Some(start) = setup.rail else {
+            return Err(Error::Unsuitable {
+                method: method.into(),
+                expected: "a vehicle on a rail",
+                source_name: setup.name.clone(),
+            });
+        };
+        Ok(RailFilter {
+            filter: KalmanFilter::new(start)?,
+            stamp: setup.start,
+            acceleration: 0.0,
+            settings: settings.clone(),
+            corrects,
+        })
+    }
+
+    /// Drives on to a time \[s\]: A = [[1, T], [0, 1]], B = (0, T).
+    fn drive_to(&mut self, stamp: f64) -> Result<()> {
+        let dt = stamp - self.stamp;
+        if dt <= 0.0 {
+            return Ok(());
+        }
+        let variance = self.settings.acceleration_sigma.powi(2);
+        let motion = LinearMotion::new(
+            Matrix2::new(1.0, dt, 0.0, 1.0),
+            Matrix2x1::new(0.0, dt),
+            Matrix1::new(variance),
+            Matrix2::zeros(),
+        )?;
+        self.filter.predict(&motion, &Vector1::new(self.acceleration))?;
+        self.stamp = stamp;
+        Ok(())
+    }
+
+    fn measure(&mut self, sensor: usize, position: f64) -> Result<Innovation<1>> {
+        // A sensor without a sigma of its own does not come out of a checked scenario.
+        let sigma = self.settings.sensor_sigmas.get(sensor).copied().unwrap_or(f64::MAX.sqrt());
+        let sensor = LinearMeasurement::new(Matrix1x2::new(1.0, 0.0), Matrix1::new(sigma * sigma))?;
+        Ok(self.filter.correct(&sensor, &Vector1::new(position), &Gate::OPEN)?)
+    }
+}
+
+impl Localizer for RailFilter {
+    fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
+        self.drive_to(stamp)?;
+        if let Control::Acceleration(acceleration) = control {
+            self.acceleration = *acceleration;
+        }
+        Ok(())
+    }
+
+    fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
+        let Measurement::RailPosition { sensor, position } = *measurement else {
+            return Ok(Vec::new());
+        };
+        if !self.corrects {
+            return Ok(Vec::new());
+        }
+        self.drive_to(stamp)?;
+        let innovation = self.measure(sensor, position)?;
+        Ok(vec![Judgement {
+            accepted: innovation.accepted,
+            nis: Some(innovation.nis),
+            degrees_of_freedom: 1,
+            seen_at: None,
+        }])
+    }
+
+    fn estimate(&self, stamp: f64) -> Result<Estimate> {
+        let mut ahead = RailFilter { settings: self.settings.clone(), ..*self };
+        ahead.drive_to(stamp)?;
+        let belief: Gaussian<2> = *ahead.filter.belief();
+        let mut covariance = Matrix3::zeros();
+        covariance[(0, 0)] = belief.covariance[(0, 0)];
+        Ok(Estimate {
+            pose: Pose2::new(belief.mean.x, 0.0, 0.0),
+            covariance: Some(covariance),
+            rail: Some(belief),
+        })
+    }
+}

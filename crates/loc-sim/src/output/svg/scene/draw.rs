@@ -1,0 +1,155 @@
+//! Drawing a scene.
+
+use super::bounds::Bounds;
+use super::labels::Room;
+use super::view::View;
+use super::{Backdrop, Item, Scene, Shape};
+use crate::output::svg::frame::NAME_HEIGHT;
+use crate::output::svg::header::{self, Glyph, Legend};
+use crate::output::svg::marks::{self, Px};
+use crate::output::svg::style::Style;
+use crate::output::svg::writer::{Element, Writer};
+use loc_core::Ellipse;
+
+pub(super) fn draw(scene: &Scene) -> String {
+    let mut writer = Writer::default();
+    let legend = legend(scene);
+    let top = header::draw(&mut writer, &scene.title, &scene.subtitle, &legend) + NAME_HEIGHT;
+    let bounds = Bounds::of(scene);
+    let nothing = Bounds { min: (-1.0, -0.5), max: (1.0, 0.5) };
+    let view = View::fit(bounds.unwrap_or(nothing), top);
+    if let Some(backdrop) = scene.backdrop.as_ref().filter(|b| b.is_valid()) {
+        draw_backdrop(&mut writer, &view, backdrop);
+    }
+    view.area.draw_grid(&mut writer, &view.x, &view.y);
+    view.area.open_clip(&mut writer);
+    for item in &scene.items {
+        draw_item(&mut writer, &view, item);
+    }
+    draw_names(&mut writer, &view, scene);
+    writer.close();
+    if bounds.is_none() {
+        view.area.draw_no_data(&mut writer);
+    }
+    view.area.draw_y_axis(&mut writer, &view.y, "y [m]");
+    let end = view.area.draw_x_axis(&mut writer, &view.x, "x [m]");
+    writer.finish(&scene.title, end)
+}
+
+fn legend(scene: &Scene) -> Legend {
+    let mut legend = Legend::default();
+    for item in &scene.items {
+        let glyph = match item.shape {
+            Shape::Path(_) | Shape::Segments(_) => Glyph::Line,
+            Shape::Dots(_) => Glyph::Dots,
+            Shape::Ellipses(_) => Glyph::Ellipse,
+            Shape::Poses(_) => Glyph::Arrow,
+            Shape::Crosses(_) => Glyph::Cross,
+            Shape::Stars(_) => Glyph::Star,
+        };
+        legend.add(&item.label, glyph, item.style);
+    }
+    legend
+}
+
+fn draw_backdrop(writer: &mut Writer, view: &View, backdrop: &Backdrop) {
+    let (left, bottom) = view.px(backdrop.min);
+    let (right, top) = view.px(backdrop.max);
+    writer.add(
+        Element::new("image")
+            .class("loc-image")
+            .num("x", left)
+            .num("y", top)
+            .num("width", right - left)
+            .num("height", bottom - top)
+            .attr("preserveAspectRatio", "none")
+            .attr("style", "image-rendering:pixelated")
+            .attr("href", &backdrop.data_uri),
+    );
+}
+
+fn draw_item(writer: &mut Writer, view: &View, item: &Item) {
+    let style = item.style;
+    match &item.shape {
+        Shape::Path(points) => marks::draw_line(writer, style, &pixels(view, points)),
+        Shape::Segments(segments) => {
+            let segments: Vec<(Px, Px)> =
+                segments.iter().map(|&(a, b)| (view.px(a), view.px(b))).collect();
+            marks::draw_segments(writer, style, &segments);
+        }
+        Shape::Dots(points) => marks::draw_dots(writer, style, 2.2, &pixels(view, points)),
+        Shape::Ellipses(ellipses) => draw_ellipses(writer, view, style, ellipses),
+        Shape::Poses(poses) => {
+            let poses: Vec<(Px, f64)> =
+                poses.iter().map(|pose| (view.px((pose.x, pose.y)), pose.theta)).collect();
+            marks::draw_arrows(writer, style, &poses);
+        }
+        Shape::Crosses(crosses) => {
+            let places: Vec<Px> = crosses.iter().map(|(place, _)| view.px(*place)).collect();
+            marks::draw_crosses(writer, style, &places);
+        }
+        Shape::Stars(points) => marks::draw_stars(writer, style, &pixels(view, points)),
+    }
+}
+
+fn pixels(view: &View, points: &[(f64, f64)]) -> Vec<Px> {
+    points
+        .iter()
+        .map(|&point| if super::is_place(point) { view.px(point) } else { (f64::NAN, f64::NAN) })
+        .collect()
+}
+
+fn draw_ellipses(writer: &mut Writer, view: &View, style: Style, ellipses: &[Ellipse]) {
+    writer.open(Element::new("g").line_style(style, 1.2));
+    for ellipse in ellipses {
+        let (x, y) = view.px((ellipse.center.x, ellipse.center.y));
+        let turn = -ellipse.angle.to_degrees();
+        let [turn, cx, cy] = [turn, x, y].map(crate::output::svg::writer::number);
+        // A certain direction still leaves a line to be seen.
+        let radius = |semi_axis: f64| (semi_axis.abs() * view.scale()).clamp(0.3, 1e5);
+        writer.add(
+            Element::new("ellipse")
+                .num("cx", x)
+                .num("cy", y)
+                .num("rx", radius(ellipse.semi_major))
+                .num("ry", radius(ellipse.semi_minor))
+                .attr("transform", &format!("rotate({turn} {cx} {cy})")),
+        );
+    }
+    writer.close();
+}
+
+/// The names of all crosses, on top of everything.
+fn draw_names(writer: &mut Writer, view: &View, scene: &Scene) {
+    let mut names: Vec<(Px, &str)> = Vec::new();
+    let mut room = Room::new(view.area);
+    for item in &scene.items {
+        match &item.shape {
+            Shape::Path(points) => {
+                for run in marks::runs(&pixels(view, points)) {
+                    let pairs = run.windows(2);
+                    pairs.for_each(|pair| room.book_segment(pair[0], pair[1]));
+                }
+            }
+            Shape::Segments(segments) => {
+                segments.iter().for_each(|&(a, b)| room.book_segment(view.px(a), view.px(b)))
+            }
+            Shape::Crosses(crosses) => {
+                for (place, name) in crosses {
+                    room.book_mark(view.px(*place), 5.0);
+                    names.push((view.px(*place), name));
+                }
+            }
+            Shape::Stars(points) => {
+                points.iter().for_each(|&point| room.book_mark(view.px(point), 5.0))
+            }
+            Shape::Poses(poses) => {
+                poses.iter().for_each(|pose| room.book_mark(view.px((pose.x, pose.y)), 7.0))
+            }
+            Shape::Dots(_) | Shape::Ellipses(_) => {}
+        }
+    }
+    if !names.is_empty() {
+        room.draw_names(writer, &names);
+    }
+}

@@ -1,0 +1,50 @@
+//! What a run leaves behind: the truth, and each method's estimates at the same stamps.
+
+use crate::event::Truth;
+use crate::localizer::{Estimate, Judgement, Method};
+use crate::source::Setup;
+use loc_core::Stamped;
+
+/// A finished run of several methods over one source.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// What was known before it.
+    pub setup: Setup,
+    /// The truth, thinned to at most 10 Hz.
+    pub truth: Vec<Stamped<Truth>>,
+    /// One record per method, in the order in which they were asked for.
+    pub methods: Vec<MethodRecord>,
+    /// What the source passed over.
+    pub notes: Vec<String>,
+}
+
+/// What one method did.
+#[derive(Debug, Clone)]
+pub struct MethodRecord {
+    /// The method.
+    pub method: Method,
+    /// Its estimates, one for each stamp of the truth.
+    pub estimates: Vec<Estimate>,
+    /// Its judgements on the measurements, with their stamps \[s\].
+    pub judgements: Vec<Stamped<Judgement>>,
+    /// Number of controls and measurements it took in.
+    pub updates: usize,
+    /// Time it took \[s\].
+    pub runtime: f64,
+}
+
+impl Run {
+    /// Time from the first to the last truth \[s\].
+    pub fn duration(&self) -> f64 {
+        match (self.truth.first(), self.truth.last()) {
+            (Some(first), Some(last)) => last.stamp - first.stamp,
+            _ => 0.0,
+        }
+    }
+
+    /// Way that the robot really drove, through the thinned truth \[m\].
+    pub fn distance(&self) -> f64 {
+        let step = |pair: &[Stamped<Truth>]| pair[0].value.pose.distance(pair[1].value.pose);
+        self.truth.windows(2).map(step).sum()
+    }
+}

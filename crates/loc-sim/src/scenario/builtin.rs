@@ -1,0 +1,29 @@
+//! The scenarios that are compiled in.
+
+use crate::{Error, Result};
+
+/// The one that runs when none is named.
+pub const DEFAULT: &str = "overview";
+
+/// Name and TOML text of every built-in scenario, in the order in which they are listed.
+pub const ALL: [(&str, &str); 6] = [
+    ("overview", include_str!("../../scenarios/overview.toml")),
+    ("kurt2-example", include_str!("../../scenarios/kurt2-example.toml")),
+    ("circle-drive", include_str!("../../scenarios/circle-drive.toml")),
+    ("two-sensors", include_str!("../../scenarios/two-sensors.toml")),
+    ("accelerated-vehicle", include_str!("../../scenarios/accelerated-vehicle.toml")),
+    ("landmark-drive", include_str!("../../scenarios/landmark-drive.toml")),
+];
+
+/// The TOML text of a built-in scenario.
+///
+/// # Errors
+/// [`Error::UnknownName`] with the names there are.
+pub fn text(name: &str) -> Result<&'static str> {
+    let found = ALL.iter().find(|(known, _)| *known == name);
+    found.map(|(_, text)| *text).ok_or_else(|| Error::UnknownName {
+        what: "scenario",
+        expected: ALL.map(|(known, _)| known).join(", "),
+        found: name.into(),
+    })
+}

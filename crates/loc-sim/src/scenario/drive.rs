@@ -1,0 +1,250 @@
+//! The configuration of a simulated robot in the plane.
+
+use super::config::field;
+use super::filter::{FilterConfig, OdometryNoiseConfig, SightNoiseConfig, StartConfig};
+use crate::Result;
+use loc_core::error::{finite, positive};
+use loc_core::kinematics::Differential;
+use loc_core::motion::VelocityNoise;
+use loc_core::{Pose2, Twist2};
+use loc_filters::landmark::LandmarkSettings;
+use loc_maps::{Landmark, LandmarkMap};
+use loc_sensors::landmark_camera::{LandmarkCamera, SightKind};
+use loc_sensors::wheel::{WheelFaults, WheelOdometry};
+use serde::Deserialize;
+
+/// A robot that drives a course among landmarks.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DriveConfig {
+    /// Time between two readings of the odometry.
+    pub time_step_s: f64,
+    /// The start.
+    #[serde(default)]
+    pub start: StartConfig,
+    /// The course, piece by piece.
+    pub course: Vec<Segment>,
+    /// The wheels and their odometry.
+    pub wheels: WheelConfig,
+    /// The camera, if there is one.
+    pub camera: Option<CameraConfig>,
+    /// The landmarks.
+    #[serde(default)]
+    pub landmarks: Vec<LandmarkConfig>,
+    /// Settings of the methods.
+    #[serde(default)]
+    pub filter: FilterConfig,
+}
+
+/// A piece of the course at constant velocity: either `v_m_s` and `omega_deg_s`, or the speeds of
+/// the two wheels.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Segment {
+    /// How long it lasts; a multiple of the time step.
+    pub duration_s: f64,
+    /// Forward speed.
+    pub v_m_s: Option<f64>,
+    /// Turn rate, counter-clockwise.
+    pub omega_deg_s: Option<f64>,
+    /// Speed of the left wheel.
+    pub left_m_s: Option<f64>,
+    /// Speed of the right wheel.
+    pub right_m_s: Option<f64>,
+}
+
+/// A differential drive and what its odometry gets wrong.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WheelConfig {
+    /// Distance between the wheels.
+    pub track_m: f64,
+    /// Random errors.
+    pub noise: Option<OdometryNoiseConfig>,
+    /// Systematic errors.
+    #[serde(default)]
+    pub faults: WheelFaults,
+}
+
+/// A camera that sees landmarks.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraConfig {
+    /// Time between two images; a multiple of the time step.
+    pub every_s: f64,
+    /// Time from an image to its result.
+    #[serde(default)]
+    pub latency_s: f64,
+    /// Where it sits on the robot: forward.
+    #[serde(default)]
+    pub forward_m: f64,
+    /// Where it sits on the robot: to the left.
+    #[serde(default)]
+    pub left_m: f64,
+    /// How it is turned, counter-clockwise.
+    #[serde(default)]
+    pub yaw_deg: f64,
+    /// Opening angle.
+    pub fov_deg: f64,
+    /// Nearest distance.
+    #[serde(default)]
+    pub min_range_m: f64,
+    /// Farthest distance.
+    pub max_range_m: f64,
+    /// `range-bearing`, `range` or `bearing`.
+    #[serde(default)]
+    pub kind: SightKind,
+    /// Probability that a landmark in view is detected.
+    #[serde(default = "one")]
+    pub detection_probability: f64,
+    /// Probability that a detected landmark gets the number of another one.
+    #[serde(default)]
+    pub wrong_identity_probability: f64,
+    /// Random errors.
+    pub noise: SightNoiseConfig,
+}
+
+/// A landmark of the world.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LandmarkConfig {
+    /// Its number.
+    pub id: u32,
+    /// Its position.
+    pub x_m: f64,
+    /// Its position.
+    pub y_m: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl DriveConfig {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
+    pub(super) fn check(&self) -> Result<()> {
+        positive("drive.time_step_s", self.time_step_s)?;
+        if self.course.is_empty() {
+            return Err(field("drive.course", "at least one segment", ""));
+        }
+        for segment in &self.course {
+            self.steps("drive.course.duration_s", segment.duration_s)?;
+            self.twist(segment)?;
+        }
+        if let Some(camera) = &self.camera {
+            self.steps("drive.camera.every_s", camera.every_s)?;
+            loc_core::error::non_negative("drive.camera.latency_s", camera.latency_s)?;
+            camera.camera()?;
+        }
+        for value in [self.start.x_m, self.start.y_m, self.start.heading_deg] {
+            finite("drive.start", value)?;
+        }
+        self.start.sigmas()?;
+        self.odometry()?;
+        self.map()?;
+        self.settings()?;
+        Ok(())
+    }
+
+    /// How many time steps a duration lasts.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] for one that is no positive multiple of the time step.
+    pub(crate) fn steps(&self, key: &'static str, duration: f64) -> Result<usize> {
+        positive(key, duration)?;
+        let steps = duration / self.time_step_s;
+        let whole = steps.round();
+        if whole < 1.0 || (steps - whole).abs() > 1e-6 * whole || whole > 1e8 {
+            let expected = format!("a multiple of the time step {} s", self.time_step_s);
+            return Err(field(key, &expected, &duration.to_string()));
+        }
+        // Checked to be a whole number between 1 and 1e8.
+        Ok(whole as usize)
+    }
+
+    /// The velocity of a segment.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] unless it is given in exactly one of the two ways.
+    pub(crate) fn twist(&self, segment: &Segment) -> Result<Twist2> {
+        let twist = match segment {
+            Segment { v_m_s: Some(v), omega_deg_s, left_m_s: None, right_m_s: None, .. } => {
+                Twist2::forward(*v, omega_deg_s.unwrap_or(0.0).to_radians())
+            }
+            Segment {
+                v_m_s: None,
+                omega_deg_s: None,
+                left_m_s: Some(left),
+                right_m_s: Some(right),
+                ..
+            } => Differential::new(self.wheels.track_m)?.twist(*left, *right),
+            _ => {
+                let expected = "v_m_s with omega_deg_s, or left_m_s with right_m_s";
+                return Err(field("drive.course", expected, &format!("{segment:?}")));
+            }
+        };
+        finite("drive.course: speed [m/s]", twist.vx)?;
+        finite("drive.course: turn rate [rad/s]", twist.omega)?;
+        Ok(twist)
+    }
+
+    /// The simulated odometry.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`].
+    pub(crate) fn odometry(&self) -> Result<WheelOdometry> {
+        let odometry = WheelOdometry::new(self.wheels.track_m)?.with_noise(self.wheel_noise()?);
+        Ok(odometry.with_faults(self.wheels.faults)?)
+    }
+
+    fn wheel_noise(&self) -> Result<VelocityNoise> {
+        self.wheels.noise.map_or(Ok(VelocityNoise::NONE), |noise| noise.noise())
+    }
+
+    /// The landmarks as a map.
+    ///
+    /// # Errors
+    /// [`loc_maps::Error`] for a number that occurs twice.
+    pub(crate) fn map(&self) -> Result<LandmarkMap> {
+        let planar = |l: &LandmarkConfig| Landmark::planar(l.id, l.x_m, l.y_m);
+        Ok(LandmarkMap::new(self.landmarks.iter().map(planar))?)
+    }
+
+    /// What the methods are told: where the filter section is silent, the truth about the sensors.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`].
+    pub(crate) fn settings(&self) -> Result<LandmarkSettings> {
+        let mut settings =
+            LandmarkSettings { motion_noise: self.wheel_noise()?, ..Default::default() };
+        if let Some(camera) = &self.camera {
+            let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
+            settings = LandmarkSettings { mounting, sight_noise: noise, ..settings };
+        }
+        self.filter.apply(settings)
+    }
+}
+
+impl CameraConfig {
+    /// The library's form.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`].
+    pub(crate) fn camera(&self) -> Result<LandmarkCamera> {
+        let camera = LandmarkCamera {
+            mounting: Pose2::new(self.forward_m, self.left_m, self.yaw_deg.to_radians()),
+            fov: self.fov_deg.to_radians(),
+            min_range: self.min_range_m,
+            max_range: self.max_range_m,
+            kind: self.kind,
+            detection_probability: self.detection_probability,
+            wrong_identity_probability: self.wrong_identity_probability,
+            noise: self.noise.noise()?,
+        };
+        camera.check()?;
+        Ok(camera)
+    }
+}

@@ -1,0 +1,156 @@
+//! Scenarios: what is simulated, with which sensors, and which methods run on it.
+//!
+//! A scenario is a TOML file; the built-in ones are files of the same kind, compiled in, so any
+//! of them can be printed, changed and run. Units stand in the names of the keys.
+//!
+//! ```
+//! use loc_sim::scenario::{self, Scenario};
+//! let scenario = Scenario::named("circle-drive", &["seed=7".into()])?;
+//! let run = scenario.run(None, None, &mut |_share| {})?;
+//! assert_eq!(run.truth.len(), 141);
+//! # Ok::<(), loc_sim::Error>(())
+//! ```
+
+pub mod builtin;
+mod config;
+mod drive;
+mod filter;
+mod rail;
+pub mod recording;
+
+pub use drive::{CameraConfig, DriveConfig, LandmarkConfig, Segment, WheelConfig};
+pub use filter::{FilterConfig, OdometryNoiseConfig, SightNoiseConfig, StartConfig};
+pub use rail::{RailConfig, RailSensorConfig};
+pub use recording::RecordingConfig;
+
+use crate::localizer::{Method, MethodSettings};
+use crate::record::Run;
+use crate::source::{SimulatedDrive, SimulatedRail, Source};
+use crate::{Error, Result, runner};
+use serde::Deserialize;
+use std::path::Path;
+
+/// A scenario, as its TOML file says.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Its name; also that of its output folder.
+    pub name: String,
+    /// What is to be seen, in one line.
+    pub title: String,
+    /// The methods of the lectures that it shows.
+    #[serde(default)]
+    pub ids: Vec<String>,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// The methods to run, by name.
+    pub methods: Vec<String>,
+    /// A robot in the plane. Either this or `rail`.
+    pub drive: Option<DriveConfig>,
+    /// A vehicle on a rail.
+    pub rail: Option<RailConfig>,
+    /// The name of a left-handed frame in which final poses are printed as well: `kurt2`.
+    pub also_in_frame: Option<String>,
+}
+
+impl Scenario {
+    /// A built-in scenario, with changes of the form `key.subkey=value`.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`], and [`Error::Config`] for changes that do not fit.
+    pub fn named(name: &str, changes: &[String]) -> Result<Self> {
+        Scenario::parse(&format!("scenario {name}"), builtin::text(name)?, changes)
+    }
+
+    /// A scenario from a TOML file, with changes.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::Io`], and [`Error::Config`] with line and key.
+    pub fn read(file: &Path, changes: &[String]) -> Result<Self> {
+        let text = std::fs::read_to_string(file).map_err(loc_core::Error::io(file))?;
+        Scenario::parse(&file.display().to_string(), &text, changes)
+    }
+
+    /// A scenario from TOML text; `file` is only named in errors.
+    ///
+    /// # Errors
+    /// [`Error::Config`] with line and key.
+    pub fn parse(file: &str, text: &str, changes: &[String]) -> Result<Self> {
+        let scenario: Scenario = config::parse(file, text, changes)?;
+        scenario.check().map_err(|error| config::error(file, &error.to_string()))?;
+        Ok(scenario)
+    }
+
+    fn check(&self) -> Result<()> {
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        if self.name.is_empty() || !self.name.chars().all(plain) {
+            let expected = "a name of letters, digits, `-` and `_`";
+            return Err(config::field("name", expected, &self.name));
+        }
+        if self.also_in_frame.as_deref().is_some_and(|frame| frame != "kurt2") {
+            let found = self.also_in_frame.clone().unwrap_or_default();
+            return Err(config::field("also_in_frame", "kurt2", &found));
+        }
+        self.method_list()?;
+        match (&self.drive, &self.rail) {
+            (Some(drive), None) => drive.check(),
+            (None, Some(rail)) => rail.check(),
+            (Some(_), Some(_)) => Err(config::field("drive, rail", "one of the two", "both")),
+            (None, None) => Err(config::field("drive, rail", "one of the two", "none")),
+        }
+    }
+
+    /// The methods that the scenario asks for.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`].
+    pub fn method_list(&self) -> Result<Vec<Method>> {
+        self.methods.iter().map(|name| name.parse()).collect()
+    }
+
+    /// The simulated source under a seed.
+    ///
+    /// # Errors
+    /// What a checked scenario cannot have; kept for scenarios that were built by hand.
+    pub fn source(&self, seed: u64) -> Result<Box<dyn Source>> {
+        match (&self.drive, &self.rail) {
+            (Some(drive), _) => Ok(Box::new(SimulatedDrive::new(&self.name, drive, seed)?)),
+            (None, Some(rail)) => Ok(Box::new(SimulatedRail::new(&self.name, rail, seed)?)),
+            (None, None) => Err(config::field("drive, rail", "one of the two", "none")),
+        }
+    }
+
+    /// What the methods are told.
+    ///
+    /// # Errors
+    /// Settings out of range.
+    pub fn settings(&self) -> Result<MethodSettings> {
+        Ok(MethodSettings {
+            landmark: self.drive.as_ref().map_or(Ok(Default::default()), DriveConfig::settings)?,
+            rail: self.rail.as_ref().map(RailConfig::settings).unwrap_or_default(),
+        })
+    }
+
+    /// Runs the scenario, with another seed or other methods where given. `progress` is told the
+    /// share that is done.
+    ///
+    /// # Errors
+    /// What the source or a method reports.
+    pub fn run(
+        &self,
+        seed: Option<u64>,
+        methods: Option<&[Method]>,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Run> {
+        let mut source = self.source(seed.unwrap_or(self.seed))?;
+        let methods = methods.map_or_else(|| self.method_list(), |given| Ok(given.to_vec()))?;
+        if methods.is_empty() {
+            return Err(Error::UnknownName {
+                what: "methods",
+                expected: Method::ALL.map(Method::name).join(", "),
+                found: String::new(),
+            });
+        }
+        runner::run(source.as_mut(), &methods, &self.settings()?, progress)
+    }
+}

@@ -1,0 +1,81 @@
+//! A source seen through the calibration of its sensors.
+
+use super::reorder::Reorder;
+use super::{Setup, Source};
+use crate::Result;
+use crate::event::{Control, Event, Measurement, Payload};
+use loc_sensors::landmark_camera::CameraCalibration;
+use loc_sensors::wheel::OdometryCalibration;
+
+/// Takes the systematic errors of odometry and camera out of a source's events.
+///
+/// Every method then gets the same corrected events, and needs no calibration of its own. An
+/// event that is delayed to the time at which it took effect is known from that time on.
+#[derive(Debug)]
+pub struct Calibrated<S> {
+    source: S,
+    odometry: OdometryCalibration,
+    camera: CameraCalibration,
+    waiting: Reorder,
+    ended: bool,
+}
+
+impl<S: Source> Calibrated<S> {
+    /// A source with its calibration.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a calibration that is not valid.
+    pub fn new(
+        source: S,
+        odometry: OdometryCalibration,
+        camera: CameraCalibration,
+    ) -> Result<Self> {
+        odometry.check()?;
+        camera.check()?;
+        Ok(Calibrated { source, odometry, camera, waiting: Reorder::default(), ended: false })
+    }
+
+    fn correct(&self, mut event: Event) -> Event {
+        match &mut event.payload {
+            Payload::Control(Control::Velocity(twist)) => {
+                *twist = self.odometry.correct(*twist);
+                event.stamp += self.odometry.delay;
+            }
+            Payload::Measurement(Measurement::Landmarks(sightings)) => {
+                for sighting in sightings {
+                    sighting.sight = self.camera.correct(sighting.sight);
+                }
+                event.stamp -= self.camera.delay;
+            }
+            _ => {}
+        }
+        event.arrival = event.arrival.max(event.stamp);
+        event
+    }
+}
+
+impl<S: Source> Source for Calibrated<S> {
+    fn setup(&self) -> &Setup {
+        self.source.setup()
+    }
+
+    fn next_event(&mut self) -> Result<Option<Event>> {
+        while !self.ended {
+            let Some(event) = self.source.next_event()? else {
+                self.ended = true;
+                break;
+            };
+            let known_until = event.arrival;
+            let event = self.correct(event);
+            self.waiting.push(event);
+            if let Some(first) = self.waiting.pop(known_until) {
+                return Ok(Some(first));
+            }
+        }
+        Ok(self.waiting.pop(f64::INFINITY))
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.source.notes()
+    }
+}

@@ -1,0 +1,54 @@
+//! Where events come from: simulated robots and recordings.
+//!
+//! A new log format is one file here that implements [`Source`].
+
+mod calibrated;
+mod drive;
+pub mod mrclam;
+mod rail;
+mod reorder;
+
+pub use calibrated::Calibrated;
+pub use drive::SimulatedDrive;
+pub use mrclam::Mrclam;
+pub use rail::SimulatedRail;
+
+use crate::Result;
+use crate::event::Event;
+use loc_core::Gaussian;
+use loc_maps::LandmarkMap;
+use std::sync::Arc;
+
+/// What is known before the first event.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// Name of the recording or scenario, for headings.
+    pub name: String,
+    /// When the run starts \[s\].
+    pub start: f64,
+    /// When it ends, as far as is known \[s\].
+    pub end: f64,
+    /// The belief about the pose at the start.
+    pub start_belief: Gaussian<3>,
+    /// The belief about position and speed of a vehicle on a rail.
+    pub rail: Option<Gaussian<2>>,
+    /// Landmarks at known positions; empty where there are none.
+    pub landmarks: Arc<LandmarkMap>,
+}
+
+/// A stream of events in order of arrival.
+pub trait Source {
+    /// What is known before the first event.
+    fn setup(&self) -> &Setup;
+
+    /// The next event, `None` at the end.
+    ///
+    /// # Errors
+    /// What is wrong with the recording, and where.
+    fn next_event(&mut self) -> Result<Option<Event>>;
+
+    /// What was passed over, as counted lines for the user: `3 sightings of unknown barcodes`.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
