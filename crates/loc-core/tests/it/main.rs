@@ -9,6 +9,11 @@
 mod angle;
 mod finite_difference;
 mod gaussian;
+mod motion;
+mod normal;
 mod pose;
+mod probability;
+mod sampling;
+mod stats;
 mod table;
 mod trajectory;
