@@ -2,7 +2,7 @@
 //!
 //! Most measurement errors gather around 0 in the shape of a bell. The standard deviation says how
 //! wide the bell is: of all draws, 0.68 lie within one of it, 0.955 within two, 0.997 within three.
-//! For vectors there is [`Gaussian`](crate::Gaussian).
+//! For vectors there is [`Gaussian`].
 //!
 //! ```
 //! use loc_core::Normal;

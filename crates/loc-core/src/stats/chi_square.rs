@@ -13,8 +13,7 @@ const MOST_FREEDOM: usize = 100_000_000;
 /// p-value of a squared Mahalanobis distance `x`.
 ///
 /// # Errors
-/// [`Error::Length`] for a `dof` outside 1..=10^8, [`Error::OutOfRange`] for an `x` that is
-/// negative or not finite.
+/// [`Error::OutOfRange`] for a `dof` outside 1..=10^8, and an `x` that is negative or not finite.
 pub fn chi_square_cdf(dof: usize, x: f64) -> Result<f64> {
     Ok(distribution(dof)?.cdf(non_negative("chi-square value", x)?))
 }
@@ -23,7 +22,7 @@ pub fn chi_square_cdf(dof: usize, x: f64) -> Result<f64> {
 /// freedom does not exceed: the gate for squared Mahalanobis distances.
 ///
 /// # Errors
-/// [`Error::Length`] for a `dof` outside 1..=10^8, [`Error::OutOfRange`] for a `p` outside \[0, 1).
+/// [`Error::OutOfRange`] for a `dof` outside 1..=10^8, and a `p` outside \[0, 1).
 pub fn chi_square_quantile(dof: usize, p: f64) -> Result<f64> {
     let below_one = |p: f64| (0.0..1.0).contains(&p);
     let p = in_range(
@@ -40,8 +39,7 @@ pub fn chi_square_quantile(dof: usize, p: f64) -> Result<f64> {
 /// with `dof` degrees of freedom, and leaves out as many below as above.
 ///
 /// # Errors
-/// [`Error::Length`] for a `dof` outside 1..=10^8, [`Error::OutOfRange`] for a `confidence`
-/// outside \[0, 1).
+/// [`Error::OutOfRange`] for a `dof` outside 1..=10^8, and a `confidence` outside \[0, 1).
 pub fn chi_square_interval(dof: usize, confidence: f64) -> Result<RangeInclusive<f64>> {
     let tail = 0.5 * (1.0 - check_confidence(confidence)?);
     Ok(chi_square_quantile(dof, tail)?..=chi_square_quantile(dof, 1.0 - tail)?)
@@ -54,8 +52,8 @@ pub fn chi_square_interval(dof: usize, confidence: f64) -> Result<RangeInclusive
 /// A mean above the band tells of an overconfident estimator, one below of a timid one.
 ///
 /// # Errors
-/// [`Error::Length`] where `dof * runs` is outside 1..=10^8, [`Error::OutOfRange`] for a
-/// `confidence` outside \[0, 1).
+/// [`Error::OutOfRange`] where `dof * runs` is outside 1..=10^8, and for a `confidence` outside
+/// \[0, 1).
 pub fn chi_square_band(dof: usize, runs: usize, confidence: f64) -> Result<RangeInclusive<f64>> {
     let sum = chi_square_interval(dof.saturating_mul(runs), confidence)?;
     let runs = runs as f64;
@@ -86,10 +84,10 @@ fn polish(chi_square: &ChiSquared, start: f64, p: f64) -> f64 {
 }
 
 fn distribution(dof: usize) -> Result<ChiSquared> {
-    let refused = || Error::Length {
+    let refused = || Error::OutOfRange {
         what: "degrees of freedom",
         expected: "1 to 10^8",
-        found: dof,
+        found: dof as f64,
     };
     if !(1..=MOST_FREEDOM).contains(&dof) {
         return Err(refused());

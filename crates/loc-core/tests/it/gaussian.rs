@@ -115,6 +115,7 @@ fn matrices_that_are_no_covariances_are_refused() {
     };
     refused(Matrix2::new(1.0, 0.5, 0.4, 1.0));
     refused(Matrix2::new(1.0, 2.0, 2.0, 1.0));
+    refused(Matrix2::new(1.0, 1.00001, 1.00001, 1.0));
     refused(Matrix2::new(-1.0, 0.0, 0.0, 1.0));
     refused(Matrix2::new(0.0, 0.1, 0.1, 1.0));
     refused(Matrix2::new(1e6, 0.0, 0.0, -1e-4));

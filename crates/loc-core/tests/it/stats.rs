@@ -164,7 +164,7 @@ fn bad_arguments_of_chi_square() {
     for dof in [0, 100_000_001, usize::MAX] {
         assert!(matches!(
             chi_square_quantile(dof, 0.5),
-            Err(Error::Length { .. })
+            Err(Error::OutOfRange { .. })
         ));
     }
     assert!(chi_square_band(3, 0, 0.95).is_err() && chi_square_band(3, usize::MAX, 0.95).is_err());
