@@ -2,7 +2,7 @@
 
 use crate::error::{in_range, non_negative};
 use crate::{Error, Result};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF};
 use std::ops::RangeInclusive;
 
 /// More degrees of freedom than this no evaluation has, and the series of the distribution lose
@@ -13,8 +13,7 @@ const MOST_FREEDOM: usize = 100_000_000;
 /// p-value of a squared Mahalanobis distance `x`.
 ///
 /// # Errors
-/// [`Error::Length`] for a `dof` outside 1..=10^8, [`Error::OutOfRange`] for an `x` that is
-/// negative or not finite.
+/// [`Error::OutOfRange`] for a `dof` outside 1..=10^8, and an `x` that is negative or not finite.
 pub fn chi_square_cdf(dof: usize, x: f64) -> Result<f64> {
     Ok(distribution(dof)?.cdf(non_negative("chi-square value", x)?))
 }
@@ -23,19 +22,19 @@ pub fn chi_square_cdf(dof: usize, x: f64) -> Result<f64> {
 /// freedom does not exceed: the gate for squared Mahalanobis distances.
 ///
 /// # Errors
-/// [`Error::Length`] for a `dof` outside 1..=10^8, [`Error::OutOfRange`] for a `p` outside \[0, 1).
+/// [`Error::OutOfRange`] for a `dof` outside 1..=10^8, and a `p` outside \[0, 1).
 pub fn chi_square_quantile(dof: usize, p: f64) -> Result<f64> {
     let below_one = |p: f64| (0.0..1.0).contains(&p);
     let p = in_range("share of the draws", "a probability in [0, 1)", p, below_one)?;
-    Ok(distribution(dof)?.inverse_cdf(p))
+    let chi_square = distribution(dof)?;
+    Ok(polish(&chi_square, chi_square.inverse_cdf(p), p))
 }
 
 /// The interval that holds the share `confidence` of all draws from the chi-square distribution
 /// with `dof` degrees of freedom, and leaves out as many below as above.
 ///
 /// # Errors
-/// [`Error::Length`] for a `dof` outside 1..=10^8, [`Error::OutOfRange`] for a `confidence`
-/// outside \[0, 1).
+/// [`Error::OutOfRange`] for a `dof` outside 1..=10^8, and a `confidence` outside \[0, 1).
 pub fn chi_square_interval(dof: usize, confidence: f64) -> Result<RangeInclusive<f64>> {
     let tail = 0.5 * (1.0 - check_confidence(confidence)?);
     Ok(chi_square_quantile(dof, tail)?..=chi_square_quantile(dof, 1.0 - tail)?)
@@ -48,8 +47,8 @@ pub fn chi_square_interval(dof: usize, confidence: f64) -> Result<RangeInclusive
 /// A mean above the band tells of an overconfident estimator, one below of a timid one.
 ///
 /// # Errors
-/// [`Error::Length`] where `dof * runs` is outside 1..=10^8, [`Error::OutOfRange`] for a
-/// `confidence` outside \[0, 1).
+/// [`Error::OutOfRange`] where `dof * runs` is outside 1..=10^8, and for a `confidence` outside
+/// \[0, 1).
 pub fn chi_square_band(dof: usize, runs: usize, confidence: f64) -> Result<RangeInclusive<f64>> {
     let sum = chi_square_interval(dof.saturating_mul(runs), confidence)?;
     let runs = runs as f64;
@@ -61,9 +60,28 @@ pub(super) fn check_confidence(confidence: f64) -> Result<f64> {
     in_range("confidence", "a probability in [0, 1)", confidence, |c| (0.0..1.0).contains(&c))
 }
 
+/// The quantile to its last digits, from one that is right to 1e-9 or so, absolutely.
+///
+/// Newton's method on ln F over ln x, which is a straight line where x is small.
+fn polish(chi_square: &ChiSquared, start: f64, p: f64) -> f64 {
+    let mut x = start;
+    for _ in 0..4 {
+        let cdf = chi_square.cdf(x);
+        let step = cdf / (x * chi_square.pdf(x)) * (cdf / p).ln();
+        if !step.is_finite() {
+            break;
+        }
+        x *= (-step).exp();
+    }
+    x
+}
+
 fn distribution(dof: usize) -> Result<ChiSquared> {
-    let refused =
-        || Error::Length { what: "degrees of freedom", expected: "1 to 10^8", found: dof };
+    let refused = || Error::OutOfRange {
+        what: "degrees of freedom",
+        expected: "1 to 10^8",
+        found: dof as f64,
+    };
     if !(1..=MOST_FREEDOM).contains(&dof) {
         return Err(refused());
     }
