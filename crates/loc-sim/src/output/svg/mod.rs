@@ -36,6 +36,7 @@ mod chart;
 mod frame;
 mod header;
 mod marks;
+mod room;
 mod scene;
 mod style;
 mod text;

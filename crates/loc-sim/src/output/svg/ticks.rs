@@ -112,7 +112,7 @@ pub fn log_ticks(min: f64, max: f64, at_most: usize) -> Vec<Tick> {
     if decades < 1.0 {
         return linear_ticks(min, max, at_most);
     }
-    let mantissas: &[f64] = if decades * 3.0 < at_most as f64 {
+    let mantissas: &[f64] = if decades * 2.5 <= at_most as f64 {
         &[1.0, 2.0, 5.0]
     } else {
         &[1.0]

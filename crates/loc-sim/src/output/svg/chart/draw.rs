@@ -5,6 +5,7 @@ use crate::output::svg::axis::{Axis, TICK_SIZE};
 use crate::output::svg::frame::{Area, NAME_HEIGHT};
 use crate::output::svg::header::{self, Glyph, Legend};
 use crate::output::svg::marks::{self, Px};
+use crate::output::svg::room::Room;
 use crate::output::svg::style::{Paint, Role, Style};
 use crate::output::svg::text::{self, Anchor};
 use crate::output::svg::thin;
@@ -74,7 +75,11 @@ fn y_axis(chart: &Chart, pixels: (f64, f64)) -> Axis {
     } else {
         Axis::linear(range, pixels)
     };
-    axis.upwards()
+    if chart.is_blank() {
+        axis
+    } else {
+        axis.upwards()
+    }
 }
 
 fn label_width(panels: &[Chart], height: f64) -> f64 {
@@ -100,7 +105,7 @@ fn legend(figure: &Figure) -> Legend {
 fn draw_panel(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis) {
     let y = y_axis(chart, (area.bottom(), area.top));
     area.draw_grid(writer, x, &y);
-    area.open_clip(writer);
+    area.open_clip(writer, 3.0);
     for (value, _) in &chart.references {
         let at = y.px(*value);
         let line = [(area.left, at), (area.right(), at)];
@@ -109,7 +114,7 @@ fn draw_panel(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis) {
     for series in &chart.series {
         draw_series(writer, series, x, &y);
     }
-    draw_reference_labels(writer, chart, area, &y);
+    draw_reference_labels(writer, chart, area, x, &y);
     writer.close();
     if !chart.has_data() {
         area.draw_no_data(writer);
@@ -162,7 +167,7 @@ fn band_pixels(band: &[(f64, f64, f64)], x: &Axis, y: &Axis) -> Vec<(Vec<Px>, Ve
 }
 
 fn draw_band(writer: &mut Writer, style: Style, parts: &[(Vec<Px>, Vec<Px>)]) {
-    let thinned = |edge: &[Px]| thin::simplify(&thin::thin_columns(edge, COLUMN), 0.3);
+    let thinned = |edge: &[Px]| thin::simplify(&thin::thin_columns(edge, COLUMN), marks::TOLERANCE);
     let data: String = parts
         .iter()
         .map(|(lower, upper)| {
@@ -177,28 +182,62 @@ fn draw_band(writer: &mut Writer, style: Style, parts: &[(Vec<Px>, Vec<Px>)]) {
     }
 }
 
-/// The labels of horizontal lines at their right end: above the line, or below it where the room
-/// above is taken.
-fn draw_reference_labels(writer: &mut Writer, chart: &Chart, area: &Area, y: &Axis) {
-    let mut taken: Vec<f64> = Vec::new();
-    for (value, label) in &chart.references {
-        let at = y.px(*value);
-        if !at.is_finite() || at < area.top || at > area.bottom() {
-            continue;
-        }
-        let free = |baseline: &f64| {
-            let clear = taken
-                .iter()
-                .all(|other| (other - baseline).abs() >= TICK_SIZE);
-            clear && *baseline > area.top + TICK_SIZE && *baseline < area.bottom() - 2.0
-        };
-        let Some(baseline) = [at - 5.0, at + 14.0].into_iter().find(free) else {
-            continue;
-        };
-        taken.push(baseline);
-        let place = (area.right() - 7.0, baseline);
-        let element = text::element(place, TICK_SIZE, Anchor::End, Paint::MUTED);
-        let label = text::shorten(label, TICK_SIZE, 0.7 * area.width);
-        text::draw_with_halo(writer, element, &label);
+/// The labels of horizontal lines, above or below the line and at its right or left end, wherever
+/// they cover least.
+fn draw_reference_labels(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis, y: &Axis) {
+    let named = |(value, label): &&(f64, String)| y.px(*value).is_finite() && !label.is_empty();
+    let references: Vec<_> = chart.references.iter().filter(named).collect();
+    if references.is_empty() {
+        return;
     }
+    let mut room = booked_room(chart, area, x, y);
+    for (value, label) in references {
+        let at = y.px(*value);
+        let label = text::shorten(label, TICK_SIZE, 0.7 * area.width);
+        let width = text::width(&label, TICK_SIZE);
+        let (right, left) = (area.right() - 8.0 - width, area.left + 8.0);
+        let (above, below) = (at - 18.0, at + 2.5);
+        let place = |left: f64, top: f64| [left, top, left + width, top + 15.0];
+        let places = [
+            place(right, above),
+            place(right, below),
+            place(left, above),
+            place(left, below),
+        ];
+        if let Some([from, _, to, bottom]) = room.take(&places) {
+            let (at, anchor) = if from < right {
+                (from, Anchor::Start)
+            } else {
+                (to, Anchor::End)
+            };
+            let element = text::element((at, bottom - 2.5), TICK_SIZE, anchor, Paint::MUTED);
+            text::draw_with_halo(writer, element, &label);
+        }
+    }
+}
+
+/// The room that lines and points take.
+fn booked_room(chart: &Chart, area: &Area, x: &Axis, y: &Axis) -> Room {
+    let mut room = Room::new(*area);
+    for (value, _) in &chart.references {
+        let at = y.px(*value);
+        if at.is_finite() {
+            room.book_segment((area.left, at), (area.right(), at));
+        }
+    }
+    for series in &chart.series {
+        match &series.data {
+            Data::Line(points) => {
+                let pixels = pixels(points, x, y);
+                marks::runs(&pixels).for_each(|run| room.book_path(run));
+            }
+            Data::Points(points) => {
+                let pixels = pixels(points, x, y);
+                let shown = marks::runs(&pixels).flatten();
+                shown.for_each(|&point| room.book_mark(point, 2.0));
+            }
+            Data::Band(_) => {}
+        }
+    }
+    room
 }

@@ -54,7 +54,7 @@ impl Chart {
 
     /// A line through points (x, y). Points that cannot be seen are left out of the file: of a
     /// long series four per half pixel (see [`thin_columns`](super::thin_columns)), and those
-    /// that would not change it by a third of a pixel (see [`simplify`](super::simplify)).
+    /// that would not change it by an eighth of a pixel (see [`simplify`](super::simplify)).
     #[must_use]
     pub fn line(
         self,
@@ -87,7 +87,7 @@ impl Chart {
         self.with(style, label, Data::Points(points.into_iter().collect()))
     }
 
-    /// A horizontal line to compare with, its label written at its right end.
+    /// A horizontal line to compare with, its label written along it.
     #[must_use]
     pub fn reference(mut self, value: f64, label: impl Into<String>) -> Self {
         self.references.push((value, label.into()));
