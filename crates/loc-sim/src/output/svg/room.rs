@@ -38,13 +38,23 @@ impl Room {
 
     /// Books the cells along a segment.
     pub(super) fn book_segment(&mut self, a: Px, b: Px) {
+        let (a, b) = (self.near(a), self.near(b));
         let length = f64::hypot(b.0 - a.0, b.1 - a.1);
-        let steps = (length / CELL).ceil().clamp(1.0, 2000.0);
+        let steps = (length / CELL).ceil().max(1.0);
         for k in 0..=steps as usize {
             let share = k as f64 / steps;
             let (x, y) = (a.0 + share * (b.0 - a.0), a.1 + share * (b.1 - a.1));
             self.book([x, y, x, y], Cell::Drawn);
         }
+    }
+
+    /// The point itself, or where it is far out, one just outside the plot.
+    fn near(&self, (x, y): Px) -> Px {
+        let area = &self.area;
+        (
+            x.clamp(area.left - CELL, area.right() + CELL),
+            y.clamp(area.top - CELL, area.bottom() + CELL),
+        )
     }
 
     /// Books the cells along a polyline.

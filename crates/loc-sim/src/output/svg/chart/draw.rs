@@ -1,13 +1,11 @@
 //! Drawing a figure of charts.
 
-use super::{Chart, Data, Figure, Series};
-use crate::output::svg::axis::{Axis, TICK_SIZE};
+use super::{Chart, Data, Figure, Series, references};
+use crate::output::svg::axis::Axis;
 use crate::output::svg::frame::{Area, NAME_HEIGHT};
 use crate::output::svg::header::{self, Glyph, Legend};
 use crate::output::svg::marks::{self, Px};
-use crate::output::svg::room::Room;
-use crate::output::svg::style::{Paint, Role, Style};
-use crate::output::svg::text::{self, Anchor};
+use crate::output::svg::style::Style;
 use crate::output::svg::thin;
 use crate::output::svg::writer::{Element, Writer};
 use crate::output::svg::{WIDTH, drawable};
@@ -106,15 +104,15 @@ fn draw_panel(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis) {
     let y = y_axis(chart, (area.bottom(), area.top));
     area.draw_grid(writer, x, &y);
     area.open_clip(writer, 3.0);
-    for (value, _) in &chart.references {
-        let at = y.px(*value);
-        let line = [(area.left, at), (area.right(), at)];
-        marks::draw_line(writer, Role::Reference.dashed().width(1.3), &line);
-    }
-    for series in &chart.series {
+    references::draw_lines(writer, chart, area, &y);
+    let (bands, others): (Vec<_>, Vec<_>) = chart
+        .series
+        .iter()
+        .partition(|series| matches!(series.data, Data::Band(_)));
+    for series in bands.into_iter().chain(others) {
         draw_series(writer, series, x, &y);
     }
-    draw_reference_labels(writer, chart, area, x, &y);
+    references::draw_labels(writer, chart, area, x, &y);
     writer.close();
     if !chart.has_data() {
         area.draw_no_data(writer);
@@ -140,7 +138,7 @@ fn draw_series(writer: &mut Writer, series: &Series, x: &Axis, y: &Axis) {
     }
 }
 
-fn pixels(points: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<Px> {
+pub(super) fn pixels(points: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<Px> {
     let px = |axis: &Axis, v: f64| if drawable(v) { axis.px(v) } else { f64::NAN };
     points.iter().map(|&(u, v)| (px(x, u), px(y, v))).collect()
 }
@@ -180,64 +178,4 @@ fn draw_band(writer: &mut Writer, style: Style, parts: &[(Vec<Px>, Vec<Px>)]) {
         let path = Element::new("path").attr("d", &data).fill(style.paint());
         writer.add(path.attr("fill-opacity", "0.2"));
     }
-}
-
-/// The labels of horizontal lines, above or below the line and at its right or left end, wherever
-/// they cover least.
-fn draw_reference_labels(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis, y: &Axis) {
-    let named = |(value, label): &&(f64, String)| y.px(*value).is_finite() && !label.is_empty();
-    let references: Vec<_> = chart.references.iter().filter(named).collect();
-    if references.is_empty() {
-        return;
-    }
-    let mut room = booked_room(chart, area, x, y);
-    for (value, label) in references {
-        let at = y.px(*value);
-        let label = text::shorten(label, TICK_SIZE, 0.7 * area.width);
-        let width = text::width(&label, TICK_SIZE);
-        let (right, left) = (area.right() - 8.0 - width, area.left + 8.0);
-        let (above, below) = (at - 18.0, at + 2.5);
-        let place = |left: f64, top: f64| [left, top, left + width, top + 15.0];
-        let places = [
-            place(right, above),
-            place(right, below),
-            place(left, above),
-            place(left, below),
-        ];
-        if let Some([from, _, to, bottom]) = room.take(&places) {
-            let (at, anchor) = if from < right {
-                (from, Anchor::Start)
-            } else {
-                (to, Anchor::End)
-            };
-            let element = text::element((at, bottom - 2.5), TICK_SIZE, anchor, Paint::MUTED);
-            text::draw_with_halo(writer, element, &label);
-        }
-    }
-}
-
-/// The room that lines and points take.
-fn booked_room(chart: &Chart, area: &Area, x: &Axis, y: &Axis) -> Room {
-    let mut room = Room::new(*area);
-    for (value, _) in &chart.references {
-        let at = y.px(*value);
-        if at.is_finite() {
-            room.book_segment((area.left, at), (area.right(), at));
-        }
-    }
-    for series in &chart.series {
-        match &series.data {
-            Data::Line(points) => {
-                let pixels = pixels(points, x, y);
-                marks::runs(&pixels).for_each(|run| room.book_path(run));
-            }
-            Data::Points(points) => {
-                let pixels = pixels(points, x, y);
-                let shown = marks::runs(&pixels).flatten();
-                shown.for_each(|&point| room.book_mark(point, 2.0));
-            }
-            Data::Band(_) => {}
-        }
-    }
-    room
 }

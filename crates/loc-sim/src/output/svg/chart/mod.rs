@@ -2,6 +2,7 @@
 
 mod draw;
 mod range;
+mod references;
 
 use super::style::Style;
 
@@ -65,7 +66,8 @@ impl Chart {
         self.with(style, label, Data::Line(points.into_iter().collect()))
     }
 
-    /// A filled band between two curves, of triples (x, lower, upper).
+    /// A filled band between two curves, of triples (x, lower, upper). Bands lie under lines
+    /// and points.
     #[must_use]
     pub fn band(
         self,

@@ -140,7 +140,21 @@ fn draw_ellipses(writer: &mut Writer, view: &View, style: Style, ellipses: &[Ell
 
 /// The names of all crosses, on top of everything.
 fn draw_names(writer: &mut Writer, view: &View, scene: &Scene) {
-    let mut names: Vec<(Px, &str)> = Vec::new();
+    let crosses = scene.items.iter().filter_map(|item| match &item.shape {
+        Shape::Crosses(crosses) => Some(crosses),
+        _ => None,
+    });
+    let names: Vec<(Px, &str)> = crosses
+        .flatten()
+        .map(|(place, name)| (view.px(*place), name.as_str()))
+        .collect();
+    if names.iter().any(|(_, name)| !name.is_empty()) {
+        labels::draw_names(writer, &mut booked_room(view, scene), &names);
+    }
+}
+
+/// The room that lines and marks take.
+fn booked_room(view: &View, scene: &Scene) -> Room {
     let mut room = Room::new(view.area);
     for item in &scene.items {
         match &item.shape {
@@ -151,12 +165,9 @@ fn draw_names(writer: &mut Writer, view: &View, scene: &Scene) {
             Shape::Segments(segments) => segments
                 .iter()
                 .for_each(|&(a, b)| room.book_segment(view.px(a), view.px(b))),
-            Shape::Crosses(crosses) => {
-                for (place, name) in crosses {
-                    room.book_mark(view.px(*place), 3.0);
-                    names.push((view.px(*place), name));
-                }
-            }
+            Shape::Crosses(crosses) => crosses
+                .iter()
+                .for_each(|(place, _)| room.book_mark(view.px(*place), 3.0)),
             Shape::Stars(points) => points
                 .iter()
                 .for_each(|&point| room.book_mark(view.px(point), 5.0)),
@@ -166,7 +177,5 @@ fn draw_names(writer: &mut Writer, view: &View, scene: &Scene) {
             Shape::Dots(_) | Shape::Ellipses(_) => {}
         }
     }
-    if !names.is_empty() {
-        labels::draw_names(writer, &mut room, &names);
-    }
+    room
 }
