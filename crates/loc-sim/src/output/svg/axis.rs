@@ -4,7 +4,7 @@ use super::text;
 use super::ticks::{Step, Tick, linear_ticks, log_ticks};
 
 /// Font size of tick labels \[px\].
-pub(super) const TICK_SIZE: f64 = 12.0;
+pub(super) const TICK_SIZE: f64 = 13.0;
 
 /// A linear or logarithmic scale from an interval of numbers to one of pixels.
 #[derive(Debug, Clone)]
@@ -25,8 +25,7 @@ impl Axis {
         let span = high - low;
         let largest = low.abs().max(high.abs());
         let offset = if largest >= 1e5 && largest > 1e3 * span && span > 0.0 {
-            let unit = 10f64.powi(span.log10().ceil() as i32 + 1);
-            (low / unit).floor() * unit
+            round_origin(low, high)
         } else {
             0.0
         };
@@ -127,4 +126,13 @@ impl Axis {
         };
         format!("{quantity} {sign} {amount}{unit}")
     }
+}
+
+/// A round number near an interval that is far from 0: one beside its middle, else one below it.
+fn round_origin(low: f64, high: f64) -> f64 {
+    let span = high - low;
+    let unit = 10f64.powi(span.log10().ceil() as i32 + 1);
+    let middle = low + 0.5 * span;
+    let nearest = (middle / unit).round() * unit;
+    if (nearest - middle).abs() <= span { nearest } else { (low / unit).floor() * unit }
 }

@@ -7,9 +7,9 @@ use super::text::{self, Anchor};
 use super::writer::{Element, Writer, number};
 
 /// Font size of axis names and of the legend \[px\].
-pub(super) const LABEL_SIZE: f64 = 13.0;
+pub(super) const LABEL_SIZE: f64 = 14.0;
 /// Height of the line that names the axis above its area \[px\].
-pub(super) const NAME_HEIGHT: f64 = 22.0;
+pub(super) const NAME_HEIGHT: f64 = 24.0;
 
 /// A rectangle of the figure \[px\], y down.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,12 +40,13 @@ impl Area {
     /// Opens a group that shows only what lies within the area.
     ///
     /// The name of the clip path is made of its geometry, so that figures in one page may share
-    /// the name: equal names mean equal areas.
-    pub(super) fn open_clip(&self, writer: &mut Writer) {
-        let corners = [self.left, self.top, self.width, self.height].map(number);
+    /// the name: equal names mean equal areas. `rim` \[px\] lets marks at the sides be whole.
+    pub(super) fn open_clip(&self, writer: &mut Writer, rim: f64) {
+        let area = Area { left: self.left - rim, width: self.width + 2.0 * rim, ..*self };
+        let corners = [area.left, area.top, area.width, area.height].map(number);
         let id = format!("loc-clip-{}", corners.join("-"));
         writer.open(Element::new("clipPath").attr("id", &id));
-        writer.add(self.rect());
+        writer.add(area.rect());
         writer.close();
         writer.open(Element::new("g").attr("clip-path", &format!("url(#{id})")));
     }
@@ -70,7 +71,7 @@ impl Area {
 
     /// The numbers below the area and the axis' name under them; returns where they end \[px\].
     pub(super) fn draw_x_axis(&self, writer: &mut Writer, x: &Axis, name: &str) -> f64 {
-        let baseline = self.bottom() + 17.0;
+        let baseline = self.bottom() + 18.0;
         for tick in &x.ticks {
             let half = 0.5 * text::width(&tick.label, TICK_SIZE);
             let at = x.px(tick.value).min(WIDTH - 3.0 - half);
@@ -79,7 +80,7 @@ impl Area {
         if name.is_empty() {
             return baseline + 8.0;
         }
-        let at = (self.left + 0.5 * self.width, baseline + 20.0);
+        let at = (self.left + 0.5 * self.width, baseline + 21.0);
         let name = text::shorten(&x.title(name), LABEL_SIZE, self.width);
         let element = text::element(at, LABEL_SIZE, Anchor::Middle, Paint::INK);
         writer.text(element, &name);

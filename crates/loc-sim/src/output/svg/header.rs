@@ -9,9 +9,9 @@ use super::writer::{Element, Writer};
 
 const LEFT: f64 = 14.0;
 const ROOM: f64 = WIDTH - 2.0 * LEFT;
-const TITLE_SIZE: f64 = 18.0;
-const KEY_WIDTH: f64 = 24.0;
-const ROW: f64 = 21.0;
+const TITLE_SIZE: f64 = 19.0;
+const KEY_WIDTH: f64 = 30.0;
+const ROW: f64 = 22.0;
 
 /// The shape that stands for a thing in the legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +63,7 @@ impl Legend {
             let at = (x + KEY_WIDTH + 7.0, baseline);
             let element = text::element(at, LABEL_SIZE, Anchor::Start, Paint::INK);
             writer.text(element, &label);
-            x += needed + 14.0;
+            x += needed + 16.0;
         }
         if self.keys.is_empty() { top } else { baseline + 8.0 }
     }
@@ -72,15 +72,15 @@ impl Legend {
 /// Draws title, subtitle and legend; returns where they end \[px\].
 pub(super) fn draw(writer: &mut Writer, title: &str, subtitle: &str, legend: &Legend) -> f64 {
     let mut end = 8.0;
-    // Titles are bold, and bold is wider.
-    for line in text::wrap(title, TITLE_SIZE * 1.06, ROOM, 2) {
-        end += 24.0;
+    // Bold letters run wider.
+    for line in text::wrap(title, 1.12 * TITLE_SIZE, ROOM, 2) {
+        end += 25.0;
         let at = (LEFT, end - 5.0);
         let element = text::element(at, TITLE_SIZE, Anchor::Start, Paint::INK);
         writer.text(element.attr("font-weight", "600"), &line);
     }
     for line in text::wrap(subtitle, LABEL_SIZE, ROOM, 3) {
-        end += 18.0;
+        end += 19.0;
         let at = (LEFT, end - 4.0);
         let element = text::element(at, LABEL_SIZE, Anchor::Start, Paint::MUTED);
         writer.text(element, &line);
@@ -113,7 +113,8 @@ fn draw_glyph(writer: &mut Writer, glyph: Glyph, style: Style, (x, y): (f64, f64
                 .num("cy", y)
                 .num("rx", 10.0)
                 .num("ry", 5.5)
-                .line_style(style, 1.2),
+                .line_style(style, 1.2)
+                .region(style),
         ),
     }
 }

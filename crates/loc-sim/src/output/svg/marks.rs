@@ -9,8 +9,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// A point of the figure \[px\], y down.
 pub(super) type Px = (f64, f64);
 
-/// How far thinning may move a line \[px\].
-const TOLERANCE: f64 = 0.3;
+/// How far thinning may move a line \[px\]: 0.3 px where the figure is shown 1600 px wide.
+pub(super) const TOLERANCE: f64 = 0.12;
 
 /// The stretches of a polyline between points that cannot be drawn.
 pub(super) fn runs(points: &[Px]) -> impl Iterator<Item = &[Px]> {
@@ -38,7 +38,7 @@ pub(super) fn polyline(points: &[Px]) -> String {
 pub(super) fn draw_line(writer: &mut Writer, style: Style, points: &[Px]) {
     let data: String = runs(points).map(|run| polyline(&thin::simplify(run, TOLERANCE))).collect();
     if !data.is_empty() {
-        let path = Element::new("path").attr("d", &data);
+        let path = Element::new("path").attr("d", &data).no_fill();
         writer.add(path.line_style(style, 1.8));
     }
 }
@@ -47,7 +47,7 @@ pub(super) fn draw_line(writer: &mut Writer, style: Style, points: &[Px]) {
 pub(super) fn draw_segments(writer: &mut Writer, style: Style, segments: &[(Px, Px)]) {
     let data: String = segments.iter().map(|&(a, b)| polyline(&[a, b])).collect();
     if !data.is_empty() {
-        let path = Element::new("path").attr("d", &data);
+        let path = Element::new("path").attr("d", &data).no_fill();
         writer.add(path.line_style(style, 1.8));
     }
 }
@@ -79,7 +79,7 @@ pub(super) fn draw_crosses(writer: &mut Writer, style: Style, points: &[Px]) {
         })
         .collect();
     if !data.is_empty() {
-        let path = Element::new("path").attr("d", &data);
+        let path = Element::new("path").attr("d", &data).no_fill();
         writer.add(path.line_style(style, 2.2));
     }
 }

@@ -51,12 +51,12 @@ impl Step {
             return Vec::new();
         }
         let largest = min.abs().max(max.abs());
+        let slack = 1e-9 * (max - min);
         (0..=count as u32)
-            .map(|k| {
-                let value = self.multiple(first + f64::from(k)) + 0.0;
-                let label = self.label(value, largest);
-                Tick { value, label }
-            })
+            // Adding 0 makes a negative zero positive.
+            .map(|k| self.multiple(first + f64::from(k)) + 0.0)
+            .filter(|value| (min - slack..=max + slack).contains(value))
+            .map(|value| Tick { value, label: self.label(value, largest) })
             .collect()
     }
 
@@ -104,9 +104,11 @@ pub fn log_ticks(min: f64, max: f64, at_most: usize) -> Vec<Tick> {
     let at_most = at_most.max(2);
     let decades = high - low;
     if decades < 1.0 {
-        return linear_ticks(min, max, at_most);
+        let mut ticks = linear_ticks(min, max, at_most);
+        ticks.retain(|tick| tick.value > 0.0);
+        return ticks;
     }
-    let mantissas: &[f64] = if decades * 3.0 < at_most as f64 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let mantissas: &[f64] = if decades * 2.5 <= at_most as f64 { &[1.0, 2.0, 5.0] } else { &[1.0] };
     let every = (decades / at_most as f64).ceil().max(1.0) as i32;
     let exponents = (low.floor() as i32..=high.ceil() as i32).filter(|e| e % every == 0);
     exponents

@@ -51,7 +51,6 @@ impl Element {
     pub(super) fn line_style(self, style: Style, usual_width: f64) -> Self {
         let width = style.width_or(usual_width);
         let line = self
-            .no_fill()
             .stroke(style.paint(), width)
             .attr("stroke-linecap", "round")
             .attr("stroke-linejoin", "round");
@@ -59,6 +58,11 @@ impl Element {
             Some(dashes) => line.attr("stroke-dasharray", &dashes),
             None => line,
         }
+    }
+
+    /// The inside of an ellipse: a hint of its line's colour.
+    pub(super) fn region(self, style: Style) -> Self {
+        self.fill(style.paint()).attr("fill-opacity", "0.06").attr("stroke-opacity", "0.75")
     }
 
     fn painted(mut self, property: &str, prefix: &str, paint: Paint) -> Self {

@@ -5,16 +5,16 @@ use loc_core::nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Pose2, Twist2};
 
-pub const STEP: f64 = 0.1;
+pub(super) const STEP: f64 = 0.1;
 
 /// True poses, beliefs, and where measurements saw landmarks.
-pub struct Drive {
-    pub truth: Vec<Pose2>,
-    pub beliefs: Vec<Gaussian<3>>,
-    pub seen: Vec<(f64, f64)>,
+pub(super) struct Drive {
+    pub(super) truth: Vec<Pose2>,
+    pub(super) beliefs: Vec<Gaussian<3>>,
+    pub(super) seen: Vec<(f64, f64)>,
 }
 
-pub fn landmarks() -> Vec<((f64, f64), String)> {
+pub(super) fn landmarks() -> Vec<((f64, f64), String)> {
     let places = [
         (0.5, 2.2),
         (3.0, -0.6),
@@ -30,7 +30,7 @@ pub fn landmarks() -> Vec<((f64, f64), String)> {
 }
 
 /// A circle of 140 steps; every `fix_every` steps the position is measured by a landmark.
-pub fn circle(fix_every: usize, seed: u64) -> Drive {
+pub(super) fn circle(fix_every: usize, seed: u64) -> Drive {
     let mut rng = stream(seed, "figures");
     let noise = VelocityNoise::from_sigmas(0.05, 0.6, 0.06).unwrap();
     let twist = Twist2::forward(1.0, std::f64::consts::TAU / 14.0);

@@ -1,15 +1,14 @@
 //! Realistic figures, left in the target's tmp folder to be looked at.
 
+use super::check;
 use super::drives::{self, Drive, STEP};
-use super::{dark_and_light_sheet, parse};
 use loc_core::{Ellipse, Pose2};
 use loc_sim::output::svg::{Backdrop, Chart, Figure, Role, Scene};
 
 const COLORS: Role = Role::Method(0);
 
 fn keep(name: &str, svg: &str) {
-    parse(svg);
-    dark_and_light_sheet(svg);
+    check(svg);
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("figures");
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join(format!("{name}.svg")), svg).unwrap();
@@ -32,7 +31,7 @@ fn ellipses(drive: &Drive, every: usize) -> Vec<Ellipse> {
 #[test]
 fn dead_reckoning() {
     let drive = drives::circle(0, 4);
-    let poses = drive.beliefs.iter().step_by(20).map(|b| b.pose());
+    let poses = drive.beliefs.iter().step_by(20).map(loc_core::Gaussian::pose);
     let scene = Scene::new("Dead reckoning on a circle")
         .subtitle("140 steps of 0.1 s; 2-sigma ellipses every 10 steps")
         .ellipses(COLORS, "2-sigma ellipse", ellipses(&drive, 10))

@@ -1,12 +1,11 @@
 //! Drawing a figure of charts.
 
-use super::{Chart, Data, Figure, Series};
-use crate::output::svg::axis::{Axis, TICK_SIZE};
+use super::{Chart, Data, Figure, Series, references};
+use crate::output::svg::axis::Axis;
 use crate::output::svg::frame::{Area, NAME_HEIGHT};
 use crate::output::svg::header::{self, Glyph, Legend};
 use crate::output::svg::marks::{self, Px};
-use crate::output::svg::style::{Paint, Role, Style};
-use crate::output::svg::text::{self, Anchor};
+use crate::output::svg::style::Style;
 use crate::output::svg::thin;
 use crate::output::svg::writer::{Element, Writer};
 use crate::output::svg::{WIDTH, drawable};
@@ -56,7 +55,7 @@ fn panel_height(panels: usize) -> f64 {
 fn y_axis(chart: &Chart, pixels: (f64, f64)) -> Axis {
     let range = chart.y_interval();
     let axis = if chart.log { Axis::log(range, pixels) } else { Axis::linear(range, pixels) };
-    axis.upwards()
+    if chart.is_blank() { axis } else { axis.upwards() }
 }
 
 fn label_width(panels: &[Chart], height: f64) -> f64 {
@@ -79,16 +78,14 @@ fn legend(figure: &Figure) -> Legend {
 fn draw_panel(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis) {
     let y = y_axis(chart, (area.bottom(), area.top));
     area.draw_grid(writer, x, &y);
-    area.open_clip(writer);
-    for (value, _) in &chart.references {
-        let at = y.px(*value);
-        let line = [(area.left, at), (area.right(), at)];
-        marks::draw_line(writer, Role::Reference.dashed().width(1.3), &line);
-    }
-    for series in &chart.series {
+    area.open_clip(writer, 3.0);
+    references::draw_lines(writer, chart, area, &y);
+    let (bands, others): (Vec<_>, Vec<_>) =
+        chart.series.iter().partition(|series| matches!(series.data, Data::Band(_)));
+    for series in bands.into_iter().chain(others) {
         draw_series(writer, series, x, &y);
     }
-    draw_reference_labels(writer, chart, area, &y);
+    references::draw_labels(writer, chart, area, x, &y);
     writer.close();
     if !chart.has_data() {
         area.draw_no_data(writer);
@@ -114,7 +111,7 @@ fn draw_series(writer: &mut Writer, series: &Series, x: &Axis, y: &Axis) {
     }
 }
 
-fn pixels(points: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<Px> {
+pub(super) fn pixels(points: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<Px> {
     let px = |axis: &Axis, v: f64| if drawable(v) { axis.px(v) } else { f64::NAN };
     points.iter().map(|&(u, v)| (px(x, u), px(y, v))).collect()
 }
@@ -141,7 +138,7 @@ fn band_pixels(band: &[(f64, f64, f64)], x: &Axis, y: &Axis) -> Vec<(Vec<Px>, Ve
 }
 
 fn draw_band(writer: &mut Writer, style: Style, parts: &[(Vec<Px>, Vec<Px>)]) {
-    let thinned = |edge: &[Px]| thin::simplify(&thin::thin_columns(edge, COLUMN), 0.3);
+    let thinned = |edge: &[Px]| thin::simplify(&thin::thin_columns(edge, COLUMN), marks::TOLERANCE);
     let data: String = parts
         .iter()
         .map(|(lower, upper)| {
@@ -153,29 +150,5 @@ fn draw_band(writer: &mut Writer, style: Style, parts: &[(Vec<Px>, Vec<Px>)]) {
     if !data.is_empty() {
         let path = Element::new("path").attr("d", &data).fill(style.paint());
         writer.add(path.attr("fill-opacity", "0.2"));
-    }
-}
-
-/// The labels of horizontal lines at their right end: above the line, or below it where the room
-/// above is taken.
-fn draw_reference_labels(writer: &mut Writer, chart: &Chart, area: &Area, y: &Axis) {
-    let mut taken: Vec<f64> = Vec::new();
-    for (value, label) in &chart.references {
-        let at = y.px(*value);
-        if !at.is_finite() || at < area.top || at > area.bottom() {
-            continue;
-        }
-        let free = |baseline: &f64| {
-            let clear = taken.iter().all(|other| (other - baseline).abs() >= TICK_SIZE);
-            clear && *baseline > area.top + TICK_SIZE && *baseline < area.bottom() - 2.0
-        };
-        let Some(baseline) = [at - 5.0, at + 14.0].into_iter().find(free) else {
-            continue;
-        };
-        taken.push(baseline);
-        let place = (area.right() - 7.0, baseline);
-        let element = text::element(place, TICK_SIZE, Anchor::End, Paint::MUTED);
-        let label = text::shorten(label, TICK_SIZE, 0.7 * area.width);
-        text::draw_with_halo(writer, element, &label);
     }
 }

@@ -2,6 +2,7 @@
 
 mod draw;
 mod range;
+mod references;
 
 use super::style::Style;
 
@@ -51,7 +52,7 @@ impl Chart {
 
     /// A line through points (x, y). Points that cannot be seen are left out of the file: of a
     /// long series four per half pixel (see [`thin_columns`](super::thin_columns)), and those
-    /// that would not change it by a third of a pixel (see [`simplify`](super::simplify)).
+    /// that would not change it by an eighth of a pixel (see [`simplify`](super::simplify)).
     #[must_use]
     pub fn line(
         self,
@@ -62,7 +63,8 @@ impl Chart {
         self.with(style, label, Data::Line(points.into_iter().collect()))
     }
 
-    /// A filled band between two curves, of triples (x, lower, upper).
+    /// A filled band between two curves, of triples (x, lower, upper). Bands lie under lines
+    /// and points.
     #[must_use]
     pub fn band(
         self,
@@ -84,7 +86,7 @@ impl Chart {
         self.with(style, label, Data::Points(points.into_iter().collect()))
     }
 
-    /// A horizontal line to compare with, its label written at its right end.
+    /// A horizontal line to compare with, its label written along it.
     #[must_use]
     pub fn reference(mut self, value: f64, label: impl Into<String>) -> Self {
         self.references.push((value, label.into()));

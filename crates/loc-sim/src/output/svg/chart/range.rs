@@ -2,20 +2,23 @@
 
 use super::{Chart, Data, Figure};
 use crate::output::svg::drawable;
+use crate::output::svg::ticks::Step;
 
 /// Below this share of the largest value, positive data come near 0.
 const NEAR_ZERO: f64 = 0.4;
 
 impl Figure {
-    /// The x values of all panels, from the least to the largest; none without data.
+    /// The x values of all panels, from the least to the largest, rounded outwards by at most half
+    /// a percent each; none without data.
     pub(super) fn x_range(&self) -> Option<(f64, f64)> {
         let mut range = None;
         for chart in &self.panels {
             chart.for_each_value(|x, _| include(&mut range, x));
         }
         let (low, high) = range?;
-        if high - low > 1e-12 * low.abs().max(high.abs()) {
-            return Some((low, high));
+        if high - low > 1e-9 * low.abs().max(high.abs()) {
+            let step = Step::at_least((high - low) / 200.0).size();
+            return Some(((low / step).floor() * step, (high / step).ceil() * step));
         }
         // A single instant gets a little time around it.
         let half = f64::max(0.5, 1e-9 * low.abs());
@@ -29,6 +32,11 @@ impl Chart {
         let mut any = false;
         self.for_each_value(|_, _| any = true);
         any
+    }
+
+    /// Whether there is nothing at all that a y axis could tell about.
+    pub(super) fn is_blank(&self) -> bool {
+        !self.has_data() && self.references.is_empty() && self.y_range.is_none()
     }
 
     /// The interval of y: the fixed one where it is valid, else what the data need.

@@ -1,12 +1,13 @@
 //! Drawing a scene.
 
 use super::bounds::Bounds;
-use super::labels::Room;
+use super::labels;
 use super::view::View;
 use super::{Backdrop, Item, Scene, Shape};
 use crate::output::svg::frame::NAME_HEIGHT;
 use crate::output::svg::header::{self, Glyph, Legend};
 use crate::output::svg::marks::{self, Px};
+use crate::output::svg::room::Room;
 use crate::output::svg::style::Style;
 use crate::output::svg::writer::{Element, Writer};
 use loc_core::Ellipse;
@@ -17,12 +18,16 @@ pub(super) fn draw(scene: &Scene) -> String {
     let top = header::draw(&mut writer, &scene.title, &scene.subtitle, &legend) + NAME_HEIGHT;
     let bounds = Bounds::of(scene);
     let nothing = Bounds { min: (-1.0, -0.5), max: (1.0, 0.5) };
-    let view = View::fit(bounds.unwrap_or(nothing), top);
+    let mut view = View::fit(bounds.unwrap_or(nothing), top);
+    if bounds.is_none() {
+        view.x.ticks.clear();
+        view.y.ticks.clear();
+    }
     if let Some(backdrop) = scene.backdrop.as_ref().filter(|b| b.is_valid()) {
         draw_backdrop(&mut writer, &view, backdrop);
     }
     view.area.draw_grid(&mut writer, &view.x, &view.y);
-    view.area.open_clip(&mut writer);
+    view.area.open_clip(&mut writer, 0.0);
     for item in &scene.items {
         draw_item(&mut writer, &view, item);
     }
@@ -63,6 +68,7 @@ fn draw_backdrop(writer: &mut Writer, view: &View, backdrop: &Backdrop) {
             .num("width", right - left)
             .num("height", bottom - top)
             .attr("preserveAspectRatio", "none")
+            .attr("image-rendering", "optimizeSpeed")
             .attr("style", "image-rendering:pixelated")
             .attr("href", &backdrop.data_uri),
     );
@@ -100,7 +106,7 @@ fn pixels(view: &View, points: &[(f64, f64)]) -> Vec<Px> {
 }
 
 fn draw_ellipses(writer: &mut Writer, view: &View, style: Style, ellipses: &[Ellipse]) {
-    writer.open(Element::new("g").line_style(style, 1.2));
+    writer.open(Element::new("g").line_style(style, 1.2).region(style));
     for ellipse in ellipses {
         let (x, y) = view.px((ellipse.center.x, ellipse.center.y));
         let turn = -ellipse.angle.to_degrees();
@@ -121,24 +127,31 @@ fn draw_ellipses(writer: &mut Writer, view: &View, style: Style, ellipses: &[Ell
 
 /// The names of all crosses, on top of everything.
 fn draw_names(writer: &mut Writer, view: &View, scene: &Scene) {
-    let mut names: Vec<(Px, &str)> = Vec::new();
+    let crosses = scene.items.iter().filter_map(|item| match &item.shape {
+        Shape::Crosses(crosses) => Some(crosses),
+        _ => None,
+    });
+    let names: Vec<(Px, &str)> =
+        crosses.flatten().map(|(place, name)| (view.px(*place), name.as_str())).collect();
+    if names.iter().any(|(_, name)| !name.is_empty()) {
+        labels::draw_names(writer, &mut booked_room(view, scene), &names);
+    }
+}
+
+/// The room that lines and marks take.
+fn booked_room(view: &View, scene: &Scene) -> Room {
     let mut room = Room::new(view.area);
     for item in &scene.items {
         match &item.shape {
             Shape::Path(points) => {
-                for run in marks::runs(&pixels(view, points)) {
-                    let pairs = run.windows(2);
-                    pairs.for_each(|pair| room.book_segment(pair[0], pair[1]));
-                }
+                let pixels = pixels(view, points);
+                marks::runs(&pixels).for_each(|run| room.book_path(run));
             }
             Shape::Segments(segments) => {
                 segments.iter().for_each(|&(a, b)| room.book_segment(view.px(a), view.px(b)))
             }
             Shape::Crosses(crosses) => {
-                for (place, name) in crosses {
-                    room.book_mark(view.px(*place), 5.0);
-                    names.push((view.px(*place), name));
-                }
+                crosses.iter().for_each(|(place, _)| room.book_mark(view.px(*place), 3.0))
             }
             Shape::Stars(points) => {
                 points.iter().for_each(|&point| room.book_mark(view.px(point), 5.0))
@@ -149,7 +162,5 @@ fn draw_names(writer: &mut Writer, view: &View, scene: &Scene) {
             Shape::Dots(_) | Shape::Ellipses(_) => {}
         }
     }
-    if !names.is_empty() {
-        room.draw_names(writer, &names);
-    }
+    room
 }

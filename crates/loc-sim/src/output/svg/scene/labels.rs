@@ -1,113 +1,28 @@
-//! Names beside landmarks, clear of lines and of each other.
+//! Names beside landmarks.
 
 use crate::output::svg::axis::TICK_SIZE;
-use crate::output::svg::frame::Area;
 use crate::output::svg::marks::Px;
+use crate::output::svg::room::{Rect, Room};
 use crate::output::svg::style::Paint;
 use crate::output::svg::text::{self, Anchor};
 use crate::output::svg::writer::Writer;
 
-/// Side of the cells in which the room of the figure is booked \[px\].
-const CELL: f64 = 3.0;
-
-/// What the cells of the plot hold already.
-pub(super) struct Room {
-    area: Area,
-    columns: usize,
-    rows: usize,
-    cells: Vec<Cell>,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Cell {
-    Free,
-    Drawn,
-    Named,
-}
-
-/// A rectangle: left, top, right, bottom \[px\].
-type Rect = [f64; 4];
-
-impl Room {
-    pub(super) fn new(area: Area) -> Self {
-        let columns = (area.width / CELL).ceil().max(1.0) as usize;
-        let rows = (area.height / CELL).ceil().max(1.0) as usize;
-        Room { area, columns, rows, cells: vec![Cell::Free; columns * rows] }
-    }
-
-    /// Books the cells along a segment.
-    pub(super) fn book_segment(&mut self, a: Px, b: Px) {
-        let length = f64::hypot(b.0 - a.0, b.1 - a.1);
-        let steps = (length / CELL).ceil().clamp(1.0, 2000.0);
-        for k in 0..=steps as usize {
-            let share = k as f64 / steps;
-            let (x, y) = (a.0 + share * (b.0 - a.0), a.1 + share * (b.1 - a.1));
-            self.book([x, y, x, y], Cell::Drawn);
+/// Writes names, each at the place around its mark that covers least.
+pub(super) fn draw_names(writer: &mut Writer, room: &mut Room, names: &[(Px, &str)]) {
+    for &(at, name) in names.iter().filter(|(_, name)| !name.trim().is_empty()) {
+        let name = text::shorten(name, TICK_SIZE, 240.0);
+        if let Some(rect) = room.take(&places(at, text::width(&name, TICK_SIZE))) {
+            let (x, anchor) = if rect[0] > at.0 {
+                (rect[0], Anchor::Start)
+            } else if rect[2] < at.0 {
+                (rect[2], Anchor::End)
+            } else {
+                (at.0, Anchor::Middle)
+            };
+            let element = text::element((x, rect[3] - 3.0), TICK_SIZE, anchor, Paint::INK);
+            text::draw_with_halo(writer, element, &name);
         }
     }
-
-    /// Books the square around a mark.
-    pub(super) fn book_mark(&mut self, (x, y): Px, half: f64) {
-        self.book([x - half, y - half, x + half, y + half], Cell::Drawn);
-    }
-
-    /// Writes names, each at the place around its mark that covers least.
-    pub(super) fn draw_names(&mut self, writer: &mut Writer, names: &[(Px, &str)]) {
-        for &(at, name) in names.iter().filter(|(_, name)| !name.trim().is_empty()) {
-            let name = text::shorten(name, TICK_SIZE, 0.4 * self.area.width);
-            let best = places(at, text::width(&name, TICK_SIZE))
-                .into_iter()
-                .filter_map(|rect| Some((self.cost(rect)?, rect)))
-                .min_by_key(|(cost, _)| *cost);
-            if let Some((_, rect)) = best {
-                self.book(rect, Cell::Named);
-                let middle = (0.5 * (rect[0] + rect[2]), rect[3] - 3.0);
-                let element = text::element(middle, TICK_SIZE, Anchor::Middle, Paint::INK);
-                text::draw_with_halo(writer, element, &name);
-            }
-        }
-    }
-
-    /// Number of booked cells under a rectangle; none where it leaves the plot or meets a name.
-    fn cost(&self, rect: Rect) -> Option<usize> {
-        let area = &self.area;
-        let inside = rect[0] >= area.left + 1.0
-            && rect[1] >= area.top + 1.0
-            && rect[2] <= area.right() - 1.0
-            && rect[3] <= area.bottom() - 1.0;
-        let mut cost = 0;
-        for index in self.indices(rect) {
-            match self.cells[index] {
-                Cell::Free => {}
-                Cell::Drawn => cost += 1,
-                Cell::Named => return None,
-            }
-        }
-        inside.then_some(cost)
-    }
-
-    fn book(&mut self, rect: Rect, cell: Cell) {
-        for index in self.indices(rect) {
-            if self.cells[index] != Cell::Named {
-                self.cells[index] = cell;
-            }
-        }
-    }
-
-    /// Indices of the cells that a rectangle touches, as far as they lie in the plot.
-    fn indices(&self, [left, top, right, bottom]: Rect) -> impl Iterator<Item = usize> + use<> {
-        let columns = cells(left - self.area.left, right - self.area.left, self.columns);
-        let rows = cells(top - self.area.top, bottom - self.area.top, self.rows);
-        let stride = self.columns;
-        rows.flat_map(move |row| columns.clone().map(move |column| row * stride + column))
-    }
-}
-
-/// Cells between two coordinates, among `count`.
-fn cells(low: f64, high: f64, count: usize) -> std::ops::Range<usize> {
-    let first = (low / CELL).floor().max(0.0) as usize;
-    let end = ((high / CELL).floor() + 1.0).clamp(0.0, count as f64) as usize;
-    first..end
 }
 
 /// The places for a name around its mark, the best first.

@@ -73,7 +73,7 @@ impl Scene {
         self
     }
 
-    /// A line through points (x, y) \[m\]. Points that would not change the picture by a third
+    /// A line through points (x, y) \[m\]. Points that would not change the picture by an eighth
     /// of a pixel are left out of the file (see [`simplify`](super::simplify)).
     #[must_use]
     pub fn path(

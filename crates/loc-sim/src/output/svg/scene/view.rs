@@ -39,7 +39,7 @@ impl View {
             (middle - half, middle + half)
         };
         let area = Area { left, top, width: plot_width, height: plot_height };
-        let step = Step::at_least(62.0 / scale);
+        let step = Step::at_least(60.0 / scale);
         View {
             area,
             x: Axis::linear(range(center.0, plot_width), (left, area.right())).every(step),
@@ -66,8 +66,8 @@ fn padded(bounds: Bounds) -> (f64, f64) {
         .into_iter()
         .fold(0.0, |most: f64, v| most.max(v.abs()));
     let longer = width.max(height);
-    let smallest = if longer > 0.0 { 0.0 } else { 2.0 };
-    let smallest = f64::max(smallest, 1e-9 * farthest).max(1e-9);
+    let smallest = if longer > 0.0 { 1e-9 } else { 2.0 };
+    let smallest = f64::max(smallest, 1e-9 * farthest);
     let grow = |size: f64| (size + 2.0 * MARGIN * longer).max(smallest);
-    (grow(width), grow(height))
+    (grow(width).max(1.6 * smallest), grow(height))
 }
