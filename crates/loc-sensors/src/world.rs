@@ -17,6 +17,29 @@ pub trait LandmarkWorld {
     );
 }
 
+/// A world with walls.
+pub trait RangeWorld {
+    /// Distance from `origin` \[m\] to the first obstacle in `direction` \[rad\], both in the map
+    /// frame; `None` where there is none within `max_range` \[m\].
+    fn cast(&self, origin: &Point2<f64>, direction: f64, max_range: f64) -> Option<f64>;
+
+    /// The same for a fan of rays from one point, into `ranges`: ray k in direction
+    /// `first + k * increment`, +inf where nothing is hit. Worlds that gain by it override it.
+    fn cast_fan(
+        &self,
+        origin: &Point2<f64>,
+        first: f64,
+        increment: f64,
+        max_range: f64,
+        ranges: &mut [f64],
+    ) {
+        for (k, range) in ranges.iter_mut().enumerate() {
+            let direction = first + k as f64 * increment;
+            *range = self.cast(origin, direction, max_range).unwrap_or(f64::INFINITY);
+        }
+    }
+}
+
 /// A list of numbered landmarks.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Landmarks(Vec<(u32, Point2<f64>)>);

@@ -108,7 +108,7 @@ impl Mrclam {
                     stamp: last,
                     payload: Payload::Measurement(Measurement::Landmarks(group)),
                     ..
-                }) if *last == stamp => group.push(sighting),
+                }) if *last >= stamp => group.push(sighting),
                 _ => {
                     let measurement = Measurement::Landmarks(vec![sighting]);
                     events.push(Event::now(stamp, Payload::Measurement(measurement)));

@@ -148,16 +148,16 @@ fn booked_room(view: &View, scene: &Scene) -> Room {
                 marks::runs(&pixels).for_each(|run| room.book_path(run));
             }
             Shape::Segments(segments) => {
-                segments.iter().for_each(|&(a, b)| room.book_segment(view.px(a), view.px(b)))
+                segments.iter().for_each(|&(a, b)| room.book_segment(view.px(a), view.px(b)));
             }
             Shape::Crosses(crosses) => {
-                crosses.iter().for_each(|(place, _)| room.book_mark(view.px(*place), 3.0))
+                crosses.iter().for_each(|(place, _)| room.book_mark(view.px(*place), 3.0));
             }
             Shape::Stars(points) => {
-                points.iter().for_each(|&point| room.book_mark(view.px(point), 5.0))
+                points.iter().for_each(|&point| room.book_mark(view.px(point), 5.0));
             }
             Shape::Poses(poses) => {
-                poses.iter().for_each(|pose| room.book_mark(view.px((pose.x, pose.y)), 7.0))
+                poses.iter().for_each(|pose| room.book_mark(view.px((pose.x, pose.y)), 7.0));
             }
             Shape::Dots(_) | Shape::Ellipses(_) => {}
         }

@@ -1,0 +1,87 @@
+//! One step of the landmark EKF: motion, then six landmarks by distance and bearing; beside it the
+//! same step written out on bare nalgebra with the simple form and an inverse.
+#![allow(missing_docs, clippy::expect_used)]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use loc_core::gaussian::pose_belief;
+use loc_core::{Gaussian, Pose2, Twist2};
+use loc_filters::landmark::{LandmarkEkf, LandmarkSettings};
+use loc_maps::{Landmark, LandmarkMap};
+use loc_sensors::landmark_camera::{Sight, Sighting};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+use std::hint::black_box;
+
+const DT: f64 = 0.1;
+const TWIST: Twist2 = Twist2 { vx: 0.0, vy: 0.0, omega: 0.1 };
+
+fn world() -> (LandmarkMap, Vec<Sighting>) {
+    let places = [(4.0, 0.0), (3.0, 3.0), (0.0, 5.0), (-4.0, 1.0), (-2.0, -3.0), (2.0, -4.0)];
+    let landmarks = (1..).zip(places).map(|(id, (x, y))| Landmark::planar(id, x, y));
+    let map = LandmarkMap::new(landmarks).expect("valid");
+    let see = |landmark: &Landmark| {
+        let (x, y) = (landmark.position.x, landmark.position.y);
+        let sight = Sight::RangeBearing { range: x.hypot(y), bearing: y.atan2(x) };
+        Sighting { landmark: landmark.id, sight }
+    };
+    let sightings = map.iter().map(see).collect();
+    (map, sightings)
+}
+
+/// Euler motion and six corrections with plain formulas (H1, H2): no checks, no gate.
+fn bare(belief: &mut Gaussian<3>, map: &LandmarkMap, sightings: &[Sighting], noise: &[f64; 5]) {
+    let [k_d, k_theta, k_drift, q_r, q_phi] = *noise;
+    let (sin, cos) = belief.mean.z.sin_cos();
+    let d = TWIST.vx * DT;
+    let g = Matrix3::new(1.0, 0.0, -d * sin, 0.0, 1.0, d * cos, 0.0, 0.0, 1.0);
+    let v = nalgebra::Matrix3x2::new(DT * cos, 0.0, DT * sin, 0.0, 0.0, DT);
+    let speed = TWIST.vx.abs() / DT;
+    let u = Matrix2::new(k_d * speed, 0.0, 0.0, k_theta * TWIST.omega.abs() / DT + k_drift * speed);
+    let mut x = belief.mean + Vector3::new(d * cos, d * sin, TWIST.omega * DT);
+    let mut p = g * belief.covariance * g.transpose() + v * u * v.transpose();
+    let q = Matrix2::new(q_r, 0.0, 0.0, q_phi);
+    for sighting in sightings {
+        let Sight::RangeBearing { range, bearing } = sighting.sight else { continue };
+        let Some(landmark) = map.get(sighting.landmark) else { continue };
+        let (dx, dy) = (landmark.position.x - x.x, landmark.position.y - x.y);
+        let r = dx.hypot(dy);
+        let h = Matrix2x3::new(-dx / r, -dy / r, 0.0, dy / (r * r), -dx / (r * r), -1.0);
+        let k = p * h.transpose() * (h * p * h.transpose() + q).try_inverse().expect("regular");
+        let turn = loc_core::angle::wrap(bearing - (dy.atan2(dx) - x.z));
+        x += k * Vector2::new(range - r, turn);
+        p = (Matrix3::identity() - k * h) * p;
+    }
+    *belief = Gaussian { mean: x, covariance: p };
+}
+
+fn step(c: &mut Criterion) {
+    let (map, sightings) = world();
+    let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
+    let settings = LandmarkSettings { gate_probability: 1.0, ..LandmarkSettings::default() };
+    let mut group = c.benchmark_group("landmark-ekf/6-sightings");
+
+    let filter = LandmarkEkf::new(start, settings).expect("valid");
+    group.bench_function("loc-filters", |bencher| {
+        bencher.iter(|| {
+            let mut filter = black_box(filter);
+            filter.predict(black_box(TWIST), DT).expect("finite");
+            for sighting in &sightings {
+                filter.correct(&map, black_box(sighting)).expect("finite");
+            }
+            filter
+        });
+    });
+    let motion = settings.motion_noise;
+    let (q_r, q_phi) = (settings.sight_noise.range_sigma, settings.sight_noise.bearing_sigma);
+    let noise = [motion.k_d, motion.k_theta, motion.k_drift, q_r * q_r, q_phi * q_phi];
+    group.bench_function("bare nalgebra", |bencher| {
+        bencher.iter(|| {
+            let mut belief = black_box(start);
+            bare(&mut belief, &map, black_box(&sightings), &noise);
+            belief
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(name = benches; config = loc_bench::criterion(); targets = step);
+criterion_main!(benches);
