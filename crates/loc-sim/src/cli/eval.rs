@@ -22,21 +22,21 @@ pub struct EvalArgs {
     #[arg(long, value_name = "S", default_value_t = EvalSettings::default().max_dt,
           value_parser = duration, allow_negative_numbers = true)]
     pub max_dt: f64,
-    /// Print JSON instead of a table.
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// Reads both files, compares them and prints the figures.
 ///
 /// # Errors
 /// Those of [`SpatialTrajectory::read_tum`] and [`evaluate`], and of standard output.
-pub fn run(args: &EvalArgs) -> anyhow::Result<()> {
+pub fn run(args: &EvalArgs, global: &super::Global) -> anyhow::Result<()> {
     let estimate = SpatialTrajectory::read_tum(&args.estimate)?;
     let reference = SpatialTrajectory::read_tum(&args.reference)?;
     let settings = EvalSettings { align: args.align, max_dt: args.max_dt };
     let evaluation = evaluate(&estimate, &reference, &settings)?;
-    if args.json {
+    if global.quiet {
+        return Ok(());
+    }
+    if global.json {
         super::print(&serde_json::to_string_pretty(&evaluation)?)
     } else {
         super::print(&table(&evaluation))

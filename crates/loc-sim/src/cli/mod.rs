@@ -1,8 +1,61 @@
 //! The command `loc-sim`: one module per subcommand.
 
 pub mod eval;
+pub mod list;
+mod progress;
+pub mod replay;
+pub mod run;
+mod show;
 
+use clap::{Parser, Subcommand};
 use std::io::Write;
+
+/// Every estimator on every recording, simulated or real, judged the same way.
+///
+/// Without a subcommand it runs the scenario `overview`.
+#[derive(Debug, Parser)]
+#[command(version)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    global: Global,
+}
+
+/// What every subcommand understands.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Global {
+    /// Print JSON on standard output instead of tables.
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, global = true)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    List,
+    Run(run::RunArgs),
+    Replay(replay::ReplayArgs),
+    Eval(eval::EvalArgs),
+}
+
+impl Cli {
+    /// Does what the command line says.
+    ///
+    /// # Errors
+    /// Whatever goes wrong, to be printed in one line.
+    pub fn execute(&self) -> anyhow::Result<()> {
+        match &self.command {
+            None => run::run(&run::RunArgs::default(), &self.global),
+            Some(Command::List) => list::list(&self.global),
+            Some(Command::Run(args)) => run::run(args, &self.global),
+            Some(Command::Replay(args)) => replay::replay(args, &self.global),
+            Some(Command::Eval(args)) => eval::run(args, &self.global),
+        }
+    }
+}
 
 /// Writes a text and a line break to standard output.
 ///

@@ -31,17 +31,21 @@
 pub mod align;
 pub mod ape;
 pub mod associate;
+mod consistency;
 mod evaluation;
 mod planar;
 mod rigid;
 pub mod rpe;
 mod spatial;
 mod statistics;
+mod summary;
 
 pub use align::{Alignment, aligned};
 pub use associate::{Pair, associate};
+pub use consistency::pose_nees;
 pub use evaluation::{EvalSettings, Evaluation, evaluate};
 pub use planar::{PlanarErrors, planar_errors};
 pub use rigid::RigidPose;
 pub use spatial::SpatialTrajectory;
 pub use statistics::{Statistics, Unit};
+pub use summary::{MethodSummary, Summary};

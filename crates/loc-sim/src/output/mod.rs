@@ -1,3 +1,45 @@
-//! What a run leaves behind for people to look at.
+//! What a run leaves behind for people and programs to look at.
+//!
+//! ```text
+//! summary.json               the figures
+//! truth.tum                  the truth at 10 Hz
+//! estimate_<method>.tum      the estimates at the same stamps
+//! covariance_<method>.csv    t and the upper triangle of the covariance over (x, y, theta)
+//! *.svg                      the figures to look at
+//! report.html                all of it on one page
+//! ```
 
+pub mod figures;
+mod folder;
+mod report;
 pub mod svg;
+mod table;
+mod trajectories;
+
+pub use folder::Folder;
+pub use report::report;
+pub use table::{final_beliefs, table};
+
+use crate::Result;
+use crate::metrics::Summary;
+use crate::record::Run;
+
+/// All files of a run, ready to be written.
+///
+/// # Errors
+/// [`loc_core::Error`] for estimates that are not finite.
+pub fn files(run: &Run, summary: &Summary, title: &str, command: &str) -> Result<Folder> {
+    let mut folder = Folder::default();
+    let json = serde_json::to_string_pretty(summary).map_err(|error| crate::Error::Config {
+        file: "summary.json".into(),
+        message: error.to_string(),
+    })?;
+    folder.add("summary.json", json + "\n");
+    trajectories::add(&mut folder, run)?;
+    let figures = figures::all(run, title);
+    folder.add("report.html", report(summary, title, command, &figures));
+    for figure in figures {
+        folder.add(figure.file, figure.svg);
+    }
+    Ok(folder)
+}

@@ -1,0 +1,64 @@
+//! `loc-sim run`: a scenario.
+
+use super::Global;
+use super::progress::Progress;
+use super::show::{Finished, OutputArgs, show};
+use crate::scenario::{Scenario, builtin};
+use std::path::Path;
+
+/// Run a scenario, built in or from a TOML file.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct RunArgs {
+    /// Name of a built-in scenario, or a TOML file; `overview` where left out.
+    #[arg(value_name = "NAME|FILE.toml")]
+    pub scenario: Option<String>,
+    /// Another seed than the scenario's.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Print the scenario as TOML instead of running it.
+    #[arg(long)]
+    pub print_config: bool,
+    /// What to run, and where to write it.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// Runs a scenario, writes its folder and prints its table.
+///
+/// # Errors
+/// What is wrong with the scenario, and what the run reports.
+pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
+    let name = args.scenario.as_deref().unwrap_or(builtin::DEFAULT);
+    let is_file = name.ends_with(".toml") || name.contains(std::path::MAIN_SEPARATOR);
+    if args.print_config {
+        let text = if is_file {
+            std::fs::read_to_string(name).map_err(loc_core::Error::io(name))?
+        } else {
+            builtin::text(name)?.to_owned()
+        };
+        return super::print(text.trim_end());
+    }
+    let changes = &args.output.changes;
+    let scenario = if is_file {
+        Scenario::read(Path::new(name), changes)?
+    } else {
+        Scenario::named(name, changes)?
+    };
+    let seed = args.seed.unwrap_or(scenario.seed);
+    let methods = &args.output.methods;
+    let mut progress = Progress::new(&scenario.name, global);
+    let run = scenario.run(
+        Some(seed),
+        (!methods.is_empty()).then_some(methods.as_slice()),
+        &mut |share| progress.tell(share),
+    )?;
+    progress.finish();
+    let finished = Finished {
+        run: &run,
+        name: &scenario.name,
+        title: &scenario.title,
+        seed: Some(seed),
+        also_in_frame: scenario.also_in_frame.as_deref(),
+    };
+    show(&finished, &args.output, global)
+}

@@ -1,0 +1,61 @@
+//! What `run` and `replay` do with a finished run: write it, print it.
+
+use super::Global;
+use crate::localizer::Method;
+use crate::metrics::{Alignment, Summary};
+use crate::output;
+use crate::record::Run;
+use anyhow::Context;
+use std::path::{Path, PathBuf};
+
+/// The options that `run` and `replay` share.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct OutputArgs {
+    /// A method to run; may be given several times.
+    #[arg(long = "method", value_name = "M")]
+    pub methods: Vec<Method>,
+    /// A setting to change; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub changes: Vec<String>,
+    /// How estimates are carried into the frame of the truth before they are compared.
+    #[arg(long, value_enum, default_value_t)]
+    pub align: Alignment,
+    /// The folder to write; out/NAME where left out.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// A run with what is known about it.
+pub(super) struct Finished<'a> {
+    pub(super) run: &'a Run,
+    pub(super) name: &'a str,
+    pub(super) title: &'a str,
+    pub(super) seed: Option<u64>,
+    pub(super) also_in_frame: Option<&'a str>,
+}
+
+/// Writes the folder of a run and prints its table.
+pub(super) fn show(
+    finished: &Finished<'_>,
+    args: &OutputArgs,
+    global: &Global,
+) -> anyhow::Result<()> {
+    let run = finished.run;
+    let summary = Summary::of(run, finished.seed, args.align)?;
+    let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+    let command = format!("loc-sim {command}");
+    let files = output::files(run, &summary, finished.title, command.trim_end())?;
+    let folder = args.out.clone().unwrap_or_else(|| Path::new("out").join(finished.name));
+    files.write(&folder).context("cannot write the run")?;
+    if global.quiet {
+        return Ok(());
+    }
+    if global.json {
+        return super::print(&serde_json::to_string_pretty(&summary)?);
+    }
+    super::print(&output::table(&summary))?;
+    for line in output::final_beliefs(run, finished.also_in_frame) {
+        super::print(&line)?;
+    }
+    super::print(&format!("written to {}", folder.display()))
+}

@@ -1,0 +1,115 @@
+//! The figures of a run: what `summary.json` holds.
+
+use super::{Alignment, Pair, PlanarErrors, planar_errors, pose_nees};
+use crate::Result;
+use crate::record::{MethodRecord, Run};
+use serde::{Serialize, Serializer};
+
+/// The figures of a run, by method.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// The recording or scenario.
+    pub source: String,
+    /// Seed of a simulation.
+    pub seed: Option<u64>,
+    /// How estimates were carried into the frame of the truth before they were compared.
+    pub align: &'static str,
+    /// From the first to the last truth.
+    pub duration_s: f64,
+    /// Way that the robot really drove.
+    pub distance_m: f64,
+    /// One entry per method, in the order in which they were asked for.
+    #[serde(serialize_with = "as_map")]
+    pub methods: Vec<(String, MethodSummary)>,
+    /// What the source passed over.
+    pub notes: Vec<String>,
+}
+
+/// The figures of one method. A figure without a meaning is `None`, null in JSON.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodSummary {
+    /// How far the estimates are off.
+    #[serde(flatten)]
+    pub errors: PlanarErrors,
+    /// Mean normalised estimation error squared; 3 for an honest covariance of a pose.
+    pub nees_mean: Option<f64>,
+    /// Mean normalised innovation squared of the accepted measurements.
+    pub nis_mean: Option<f64>,
+    /// Measurements that changed the belief.
+    pub measurements_used: usize,
+    /// Measurements that did not.
+    pub measurements_rejected: usize,
+    /// When a method that started without a pose had found it; null for one that was given it.
+    pub converged_at_s: Option<f64>,
+    /// The same in measurements.
+    pub converged_after_updates: Option<usize>,
+    /// How long a method needed after a kidnapping; null without one.
+    pub recovered_after_s: Option<f64>,
+    /// Time that the method took.
+    pub runtime_s: f64,
+    /// Controls and measurements that it took in.
+    pub updates: usize,
+    /// How many times faster than the robot it was.
+    pub realtime_factor: Option<f64>,
+}
+
+impl Summary {
+    /// The figures of a run.
+    ///
+    /// # Errors
+    /// [`crate::Error::UndeterminedAlignment`], and [`loc_core::Error`] for estimates that are not
+    /// finite.
+    pub fn of(run: &Run, seed: Option<u64>, align: Alignment) -> Result<Self> {
+        let methods = run
+            .methods
+            .iter()
+            .map(|record| Ok((record.method.to_string(), MethodSummary::of(run, record, align)?)))
+            .collect::<Result<_>>()?;
+        Ok(Summary {
+            source: run.setup.name.clone(),
+            seed,
+            align: align.name(),
+            duration_s: run.duration(),
+            distance_m: run.distance(),
+            methods,
+            notes: run.notes.clone(),
+        })
+    }
+}
+
+impl MethodSummary {
+    fn of(run: &Run, record: &MethodRecord, align: Alignment) -> Result<Self> {
+        let both = || record.estimates.iter().zip(&run.truth);
+        let pairs: Vec<_> =
+            both().map(|(e, t)| Pair { estimate: e.pose, reference: t.value.pose }).collect();
+        let nees = mean(both().filter_map(|(e, t)| pose_nees(e, t.value.pose)));
+        let accepted = || record.judgements.iter().filter(|j| j.value.accepted);
+        let used = accepted().count();
+        let faster = run.duration() / record.runtime;
+        Ok(MethodSummary {
+            errors: planar_errors(&pairs, align)?,
+            nees_mean: nees,
+            nis_mean: mean(accepted().filter_map(|judgement| judgement.value.nis)),
+            measurements_used: used,
+            measurements_rejected: record.judgements.len() - used,
+            converged_at_s: None,
+            converged_after_updates: None,
+            recovered_after_s: None,
+            runtime_s: record.runtime,
+            updates: record.updates,
+            realtime_factor: faster.is_finite().then_some(faster),
+        })
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}
+
+fn as_map<S: Serializer>(
+    methods: &[(String, MethodSummary)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(methods.iter().map(|(name, summary)| (name, summary)))
+}

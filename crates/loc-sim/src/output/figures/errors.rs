@@ -1,0 +1,86 @@
+//! Errors over time, alone and beside what the covariances promise.
+
+use super::FigureFile;
+use crate::metrics::pose_nees;
+use crate::output::svg::{Chart, Figure, Role};
+use crate::record::{MethodRecord, Run};
+use loc_core::{angle, stats};
+
+/// Position error, heading error and NEES of every method.
+pub(super) fn errors(run: &Run) -> FigureFile {
+    let mut position = Chart::new("position error [m]");
+    let mut heading = Chart::new("heading error [deg]");
+    let mut nees = Chart::new("NEES").log_y();
+    for (k, record) in run.methods.iter().enumerate() {
+        let (role, name) = (Role::Method(k), record.method.name());
+        let over_time = |value: &dyn Fn(usize) -> Option<f64>| -> Vec<(f64, f64)> {
+            (0..run.truth.len()).map(|i| (time(run, i), value(i).unwrap_or(f64::NAN))).collect()
+        };
+        let truth = |i: usize| run.truth[i].value.pose;
+        let estimate = |i: usize| record.estimates[i];
+        let distance = |i: usize| Some(estimate(i).pose.distance(truth(i)));
+        position = position.line(role, name, over_time(&distance));
+        let turn =
+            |i: usize| Some(angle::difference(estimate(i).pose.theta, truth(i).theta).to_degrees());
+        heading = heading.line(role, name, over_time(&turn));
+        let squared = |i: usize| pose_nees(&estimate(i), truth(i)).filter(|nees| *nees > 1e-6);
+        nees = nees.line(role, name, over_time(&squared));
+    }
+    heading = heading.reference(0.0, "");
+    if let Ok(limit) = stats::chi_square_quantile(3, 0.95) {
+        nees = nees.reference(limit, "95 % of honest ones are below");
+    }
+    let figure = Figure::new("Errors over time").subtitle(run.setup.name.clone());
+    let figure = figure.x_label("time [s]").panel(position).panel(heading).panel(nees);
+    FigureFile {
+        file: "errors.svg",
+        caption: "Position error, heading error and NEES over time",
+        svg: figure.render(),
+    }
+}
+
+/// The error of each coordinate of the last method, inside the band of two standard deviations.
+pub(super) fn consistency(run: &Run) -> Option<FigureFile> {
+    let (k, record) = run.methods.iter().enumerate().next_back()?;
+    record.estimates.first()?.covariance?;
+    let mut figure = Figure::new(format!("What {} promises, and what it keeps", record.method))
+        .subtitle("errors inside 2 standard deviations")
+        .x_label("time [s]");
+    for (coordinate, label) in
+        ["x error [m]", "y error [m]", "heading error [deg]"].iter().enumerate()
+    {
+        let unit = if coordinate == 2 { 1_f64.to_degrees() } else { 1.0 };
+        let role = Role::Method(k);
+        let chart = Chart::new(*label)
+            .band(role, "2 sigma", band(run, record, coordinate, unit))
+            .line(role, record.method.name(), error(run, record, coordinate, unit))
+            .reference(0.0, "");
+        figure = figure.panel(chart);
+    }
+    Some(FigureFile {
+        file: "consistency.svg",
+        caption: "Error of each coordinate inside two standard deviations",
+        svg: figure.render(),
+    })
+}
+
+fn band(run: &Run, record: &MethodRecord, i: usize, unit: f64) -> Vec<(f64, f64, f64)> {
+    let sigma = |k: usize| record.estimates[k].covariance.map_or(f64::NAN, |s| s[(i, i)].sqrt());
+    let triple = |k| (time(run, k), -2.0 * unit * sigma(k), 2.0 * unit * sigma(k));
+    (0..run.truth.len()).map(triple).collect()
+}
+
+fn error(run: &Run, record: &MethodRecord, i: usize, unit: f64) -> Vec<(f64, f64)> {
+    let deviation = |k: usize| {
+        let (estimate, truth) = (record.estimates[k].pose, run.truth[k].value.pose);
+        let mut deviation = estimate.to_vector() - truth.to_vector();
+        deviation.z = angle::wrap(deviation.z);
+        unit * deviation[i]
+    };
+    (0..run.truth.len()).map(|k| (time(run, k), deviation(k))).collect()
+}
+
+/// Time since the start of the run \[s\].
+fn time(run: &Run, index: usize) -> f64 {
+    run.truth[index].stamp - run.setup.start
+}

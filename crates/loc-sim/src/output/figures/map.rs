@@ -1,0 +1,72 @@
+//! The drive on the map: true and estimated paths, ellipses, landmarks and what was measured.
+
+use super::{FigureFile, every};
+use crate::localizer::{Estimate, Method};
+use crate::output::svg::{Role, Scene};
+use crate::record::{MethodRecord, Run};
+use loc_core::{Ellipse, Gaussian};
+
+/// About how many ellipses and arrows are drawn along a path.
+const MARKS: usize = 24;
+
+/// About how many measured landmark positions are drawn.
+const STARS: usize = 400;
+
+pub(super) fn map(run: &Run, title: &str) -> FigureFile {
+    let mut scene = Scene::new(title).subtitle(subtitle(run));
+    for (k, record) in run.methods.iter().enumerate() {
+        let label = format!("{}, 2 sigma", record.method);
+        let label = if k == 0 { label.as_str() } else { "" };
+        let ellipses = marked(&record.estimates).filter_map(two_sigma);
+        scene = scene.ellipses(Role::Method(k).width(0.9), label, ellipses);
+    }
+    if let Some(seen) = run.methods.iter().rev().find_map(measured) {
+        scene = scene.stars(Role::Measurement, "landmark as measured", seen);
+    }
+    for (k, record) in run.methods.iter().enumerate() {
+        let path = record.estimates.iter().map(|e| (e.pose.x, e.pose.y));
+        scene = scene.path(Role::Method(k), record.method.name(), path);
+        if record.method != Method::DeadReckoning || run.methods.len() == 1 {
+            scene = scene.poses(Role::Method(k), "", marked(&record.estimates).map(|e| e.pose));
+        }
+    }
+    let truth = run.truth.iter().map(|t| (t.value.pose.x, t.value.pose.y));
+    scene = scene.path(Role::Truth.dotted(), "true path", truth);
+    let landmarks = run
+        .setup
+        .landmarks
+        .iter()
+        .map(|landmark| ((landmark.position.x, landmark.position.y), landmark.id.to_string()));
+    scene = scene.crosses(Role::Landmark, "landmark", landmarks);
+    FigureFile {
+        file: "map.svg",
+        caption: "True and estimated paths with 2-sigma ellipses, landmarks and measurements",
+        svg: scene.render(),
+    }
+}
+
+fn subtitle(run: &Run) -> String {
+    format!("{}: {:.1} m in {:.1} s", run.setup.name, run.distance(), run.duration())
+}
+
+fn marked(estimates: &[Estimate]) -> impl Iterator<Item = &Estimate> {
+    estimates.iter().skip(1).step_by(every(estimates.len(), MARKS))
+}
+
+fn two_sigma(estimate: &Estimate) -> Option<Ellipse> {
+    let belief = Gaussian { mean: estimate.pose.to_vector(), covariance: estimate.covariance? };
+    Some(belief.position().ellipse(2.0))
+}
+
+/// Where a method's accepted measurements put the landmarks, thinned; `None` without any.
+fn measured(record: &MethodRecord) -> Option<Vec<(f64, f64)>> {
+    let seen: Vec<(f64, f64)> = record
+        .judgements
+        .iter()
+        .filter(|judgement| judgement.value.accepted)
+        .filter_map(|judgement| judgement.value.seen_at)
+        .map(|place| (place.x, place.y))
+        .collect();
+    let step = every(seen.len(), STARS);
+    (!seen.is_empty()).then(|| seen.into_iter().step_by(step).collect())
+}

@@ -1,0 +1,37 @@
+//! The figures of a run.
+
+mod errors;
+mod map;
+mod rail;
+
+use crate::record::Run;
+
+/// A figure, ready to be written.
+#[derive(Debug, Clone)]
+pub struct FigureFile {
+    /// Its file name.
+    pub file: &'static str,
+    /// What it shows, for people who cannot see it.
+    pub caption: &'static str,
+    /// The SVG text.
+    pub svg: String,
+}
+
+/// Every file name that a figure of a run can have.
+pub const NAMES: [&str; 6] =
+    ["map.svg", "errors.svg", "consistency.svg", "rail.svg", "density.svg", "accuracy.svg"];
+
+/// The figures that suit a run.
+pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
+    if run.setup.rail.is_some() {
+        return rail::all(run, title);
+    }
+    let mut figures = vec![map::map(run, title), errors::errors(run)];
+    figures.extend(errors::consistency(run));
+    figures
+}
+
+/// Every k-th of `count` things, so that about `wanted` are left; 1 or more.
+fn every(count: usize, wanted: usize) -> usize {
+    count.div_ceil(wanted.max(1)).max(1)
+}

@@ -1,0 +1,104 @@
+//! The four plots of a vehicle on a rail (G3, G4): the drive, the densities at the end, and the
+//! accuracy of position and speed with and without corrections.
+
+use super::FigureFile;
+use crate::localizer::Estimate;
+use crate::output::svg::{Chart, Figure, Role};
+use crate::record::{MethodRecord, Run};
+use loc_core::{Gaussian, Normal};
+
+pub(super) fn all(run: &Run, title: &str) -> Vec<FigureFile> {
+    vec![drive(run, title), density(run), accuracy(run)]
+}
+
+/// Position and speed over time, with two standard deviations.
+fn drive(run: &Run, title: &str) -> FigureFile {
+    let mut position = Chart::new("position [m]");
+    let mut speed = Chart::new("speed [m/s]");
+    for (k, record) in run.methods.iter().enumerate() {
+        let (role, name) = (Role::Method(k), record.method.name());
+        position = position.band(role, name, band(run, record, 0));
+        position = position.line(role, name, beliefs(run, record).map(|(t, b)| (t, b.mean.x)));
+        speed = speed.band(role, name, band(run, record, 1));
+        speed = speed.line(role, name, beliefs(run, record).map(|(t, b)| (t, b.mean.y)));
+    }
+    let truth = run.truth.iter();
+    position =
+        position.line(Role::Truth.dotted(), "truth", truth.map(|t| (t.stamp, t.value.pose.x)));
+    let truth = run.truth.iter();
+    let true_speed = truth.map(|t| (t.stamp, t.value.speed.unwrap_or(f64::NAN)));
+    speed = speed.line(Role::Truth.dotted(), "truth", true_speed);
+    let figure = Figure::new(title).subtitle("with 2 standard deviations").x_label("time [s]");
+    FigureFile {
+        file: "rail.svg",
+        caption: "Position and speed over time, with two standard deviations",
+        svg: figure.panel(position).panel(speed).render(),
+    }
+}
+
+/// The densities of the position at the end: prediction, readings, corrected belief.
+fn density(run: &Run) -> FigureFile {
+    let mut chart = Chart::new("density [1/m]");
+    let end = run.truth.last().map_or(0.0, |truth| truth.stamp);
+    for (k, record) in run.methods.iter().enumerate() {
+        let belief = record.estimates.last().and_then(|estimate| estimate.rail);
+        if let Some(normal) = belief.and_then(|b| normal(b.mean.x, b.covariance.m11)) {
+            chart = chart.line(Role::Method(k), record.method.name(), bell(&normal));
+        }
+    }
+    if let Some(truth) = run.truth.last() {
+        let at = truth.value.pose.x;
+        chart = chart.line(Role::Truth.dotted(), "true position", [(at, 0.0), (at, 0.3)]);
+    }
+    let figure = Figure::new(format!("Where the methods believe to be after {end:.1} s"));
+    FigureFile {
+        file: "density.svg",
+        caption: "Densities of the position at the end",
+        svg: figure.x_label("position [m]").panel(chart).render(),
+    }
+}
+
+/// Standard deviations over time.
+fn accuracy(run: &Run) -> FigureFile {
+    let mut position = Chart::new("position, 1 sigma [m]");
+    let mut speed = Chart::new("speed, 1 sigma [m/s]");
+    for (k, record) in run.methods.iter().enumerate() {
+        let (role, name) = (Role::Method(k), record.method.name());
+        let sigma = |b: &Gaussian<2>, i: usize| b.covariance[(i, i)].sqrt();
+        position = position.line(role, name, beliefs(run, record).map(|(t, b)| (t, sigma(b, 0))));
+        speed = speed.line(role, name, beliefs(run, record).map(|(t, b)| (t, sigma(b, 1))));
+    }
+    let figure = Figure::new("Accuracy with and without corrections").x_label("time [s]");
+    FigureFile {
+        file: "accuracy.svg",
+        caption: "Standard deviations of position and speed over time",
+        svg: figure.panel(position).panel(speed).render(),
+    }
+}
+
+fn beliefs<'a>(
+    run: &'a Run,
+    record: &'a MethodRecord,
+) -> impl Iterator<Item = (f64, &'a Gaussian<2>)> {
+    let pairs = run.truth.iter().zip(&record.estimates);
+    pairs.filter_map(|(truth, Estimate { rail, .. })| Some((truth.stamp, rail.as_ref()?)))
+}
+
+fn band(run: &Run, record: &MethodRecord, i: usize) -> Vec<(f64, f64, f64)> {
+    let limits = |(t, b): (f64, &Gaussian<2>)| {
+        let reach = 2.0 * b.covariance[(i, i)].sqrt();
+        (t, b.mean[i] - reach, b.mean[i] + reach)
+    };
+    beliefs(run, record).map(limits).collect()
+}
+
+/// `None` for a belief that is certain and has no density.
+fn normal(mean: f64, variance: f64) -> Option<Normal> {
+    Normal::new(mean, variance.sqrt()).ok()
+}
+
+fn bell(normal: &Normal) -> Vec<(f64, f64)> {
+    let points = -120..=120;
+    let at = |k: i32| normal.mean() + normal.sigma() * f64::from(k) / 30.0;
+    points.map(|k| (at(k), normal.density(at(k)))).collect()
+}

@@ -1,0 +1,74 @@
+//! The folder that a run is written to, whole or not at all.
+
+use crate::Result;
+use loc_core::Error;
+use std::fs;
+use std::path::Path;
+
+/// Files in memory, by name.
+#[derive(Debug, Clone, Default)]
+pub struct Folder {
+    files: Vec<(String, String)>,
+}
+
+impl Folder {
+    /// Adds a file.
+    pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) {
+        self.files.push((name.into(), text.into()));
+    }
+
+    /// The names of the files.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// The text of a file.
+    pub fn text(&self, name: &str) -> Option<&str> {
+        self.files.iter().find(|(known, _)| known == name).map(|(_, text)| text.as_str())
+    }
+
+    /// Writes the files into `path`, which is made where it is missing.
+    ///
+    /// Everything is written beside it first; only when that has succeeded do the files take the
+    /// place of an earlier run's. Estimates and figures that the earlier run had and this one has
+    /// not are removed, so that the folder shows one run; files of other kinds are left alone.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the path; an earlier run's files are then as they were.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        fs::create_dir_all(path).map_err(Error::io(path))?;
+        let staging = path.join(format!(".part-{}", std::process::id()));
+        let result = self.write_through(&staging, path);
+        // Nothing is left beside the run; a failure to tidy up would hide the first error.
+        let _ = fs::remove_dir_all(&staging);
+        result
+    }
+
+    fn write_through(&self, staging: &Path, path: &Path) -> Result<()> {
+        fs::create_dir_all(staging).map_err(Error::io(staging))?;
+        for (name, text) in &self.files {
+            let file = staging.join(name);
+            fs::write(&file, text).map_err(Error::io(&file))?;
+        }
+        for entry in fs::read_dir(path).map_err(Error::io(path))? {
+            let entry = entry.map_err(Error::io(path))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if is_ours(&name) && self.text(&name).is_none() {
+                fs::remove_file(entry.path()).map_err(Error::io(entry.path()))?;
+            }
+        }
+        for (name, _) in &self.files {
+            let file = path.join(name);
+            fs::rename(staging.join(name), &file).map_err(Error::io(&file))?;
+        }
+        Ok(())
+    }
+}
+
+/// Whether a file of this name can only come from a run.
+fn is_ours(name: &str) -> bool {
+    let between = |start, end| name.starts_with(start) && name.ends_with(end);
+    between("estimate_", ".tum")
+        || between("covariance_", ".csv")
+        || super::figures::NAMES.contains(&name)
+}

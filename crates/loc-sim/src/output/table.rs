@@ -1,0 +1,69 @@
+//! The table that a run prints.
+
+use crate::metrics::{MethodSummary, Summary};
+use crate::record::Run;
+use loc_core::frames::Kurt2Pose;
+
+const COLUMNS: [&str; 7] =
+    ["ATE [m]", "max [m]", "end [m]", "head [deg]", "NEES", "used", "rejected"];
+
+/// The methods with their errors, at most 80 columns wide, without a line break at its end.
+pub fn table(summary: &Summary) -> String {
+    let mut lines = vec![format!(
+        "{}: {:.1} m in {:.1} s{}",
+        summary.source,
+        summary.distance_m,
+        summary.duration_s,
+        summary.seed.map_or(String::new(), |seed| format!(", seed {seed}")),
+    )];
+    let names = COLUMNS.map(|name| format!("{name:>width$}", width = width(name))).concat();
+    lines.push(format!("{:<15}{names}", "method"));
+    lines.extend(summary.methods.iter().map(|(name, method)| row(name, method)));
+    lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
+    lines.join("\n")
+}
+
+fn row(name: &str, method: &MethodSummary) -> String {
+    let errors = &method.errors;
+    let cells = [
+        format!("{:.3}", errors.ate_rmse_m),
+        format!("{:.3}", errors.ate_max_m),
+        format!("{:.3}", errors.final_error_m),
+        format!("{:.2}", errors.heading_rmse_deg),
+        method.nees_mean.map_or("-".into(), |nees| format!("{nees:.2}")),
+        method.measurements_used.to_string(),
+        method.measurements_rejected.to_string(),
+    ];
+    let cells = COLUMNS.iter().zip(cells);
+    let cells: String =
+        cells.map(|(name, cell)| format!("{cell:>width$}", width = width(name))).collect();
+    format!("{name:<15}{cells}")
+}
+
+fn width(column: &str) -> usize {
+    column.len().max(6) + 2
+}
+
+/// What the methods believe at the end, a line each: for vehicles on a rail, and in the frame of
+/// KURT2 where a scenario asks for it.
+pub fn final_beliefs(run: &Run, also_in_frame: Option<&str>) -> Vec<String> {
+    let mut lines = Vec::new();
+    for record in &run.methods {
+        let Some(last) = record.estimates.last() else { continue };
+        let method = record.method;
+        if let Some(belief) = &last.rail {
+            let (x, s) = (belief.mean, belief.covariance);
+            lines.push(format!(
+                "{method} ends at x = {:.4} m, v = {:.4} m/s, S = [[{:.7}, {:.7}], [., {:.7}]]",
+                x.x, x.y, s.m11, s.m12, s.m22
+            ));
+        } else if also_in_frame == Some("kurt2") {
+            let pose = Kurt2Pose::from(last.pose);
+            let (x, z) = (100.0 * pose.x, 100.0 * pose.z);
+            let theta = pose.theta;
+            lines
+                .push(format!("{method} ends at x = {x:.2} cm, z = {z:.2} cm, theta = {theta:.3}"));
+        }
+    }
+    lines
+}
