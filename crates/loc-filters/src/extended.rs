@@ -54,6 +54,10 @@ pub trait MeasurementModel<const N: usize, const M: usize> {
     fn expect(&self, state: &SVector<f64, N>) -> SVector<f64, M>;
     /// Its derivative over the state, `H`, M x N.
     fn jacobian(&self, state: &SVector<f64, N>) -> SMatrix<f64, M, N>;
+    /// Both at once; worth overriding where they share their work.
+    fn linearize(&self, state: &SVector<f64, N>) -> (SVector<f64, M>, SMatrix<f64, M, N>) {
+        (self.expect(state), self.jacobian(state))
+    }
     /// Covariance of the sensor's noise, `Q`, where it is expected to measure `expected`.
     fn noise(&self, expected: &SVector<f64, M>) -> SMatrix<f64, M, M>;
     /// Measurement minus expectation; a model of angles wraps them here.
@@ -118,9 +122,8 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
         gate: &Gate,
     ) -> Result<Innovation<M>> {
         finite("measurement", z)?;
-        let expected = sensor.expect(&self.belief.mean);
+        let (expected, h) = sensor.linearize(&self.belief.mean);
         let residual = sensor.residual(z, &expected);
-        let h = sensor.jacobian(&self.belief.mean);
         let q = sensor.noise(&expected);
         let innovation = update::correct(&mut self.belief, residual, &h, &q, gate)?;
         self.wrap_angles();

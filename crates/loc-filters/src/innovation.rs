@@ -12,9 +12,10 @@
 //! # Ok::<(), loc_filters::Error>(())
 //! ```
 
+use crate::kalman::factor::Factor;
 use crate::{Error, Result};
 use loc_core::stats::chi_square_quantile;
-use nalgebra::{Cholesky, Const, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
 /// Residual of one measurement, with all that decided on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,22 +38,21 @@ pub struct Innovation<const M: usize> {
 
 impl<const M: usize> Innovation<M> {
     /// Holds a residual against its covariance; also returns the Cholesky factor of the latter.
+    #[inline(always)]
     pub(crate) fn new(
         residual: SVector<f64, M>,
         covariance: SMatrix<f64, M, M>,
         gate: &Gate,
-    ) -> Result<(Self, Cholesky<f64, Const<M>>)> {
-        let factor = loc_core::gaussian::cholesky("innovation covariance", &covariance)?;
-        let determinant = factor.l_dirty().diagonal().iter().map(|d| d * d).product();
-        let mut whitened = residual;
-        factor.l_dirty().solve_lower_triangular_unchecked_mut(&mut whitened);
+    ) -> Result<(Self, Factor<M>)> {
+        let factor = Factor::new(&covariance)?;
+        let determinant = factor.determinant;
+        let whitened = factor.whiten(residual);
         let nis = whitened.norm_squared();
         let threshold = gate.threshold(M);
         let accepted = nis <= threshold;
-        Ok((
-            Innovation { determinant, residual, covariance, whitened, nis, threshold, accepted },
-            factor,
-        ))
+        let innovation =
+            Innovation { residual, covariance, determinant, whitened, nis, threshold, accepted };
+        Ok((innovation, factor))
     }
 
     /// Natural logarithm of the measurement's likelihood, for comparing associations.

@@ -14,7 +14,9 @@
 //! # Ok::<(), loc_filters::Error>(())
 //! ```
 
+pub(crate) mod factor;
 mod linear;
+mod product;
 mod scalar;
 pub(crate) mod update;
 

@@ -1,41 +1,20 @@
 //! The two formulas that every Kalman filter shares, in a form that keeps covariances symmetric
 //! and positive.
 
+use super::product::{mirrored, times, times_transposed};
 use crate::Result;
 use crate::innovation::{Gate, Innovation};
 use loc_core::Gaussian;
 use nalgebra::{SMatrix, SVector};
 
-/// `F P F^T + Q`, of which only one half is computed and then mirrored.
+/// `F P F^T + Q`, exactly symmetric.
 #[inline]
 pub(crate) fn propagate<const N: usize>(
     f: &SMatrix<f64, N, N>,
     p: &SMatrix<f64, N, N>,
     q: &SMatrix<f64, N, N>,
 ) -> SMatrix<f64, N, N> {
-    congruence(&(f * p), f, q)
-}
-
-/// `G B^T + Q` where the result is known to be symmetric.
-#[inline]
-fn congruence<const N: usize, const M: usize>(
-    g: &SMatrix<f64, N, M>,
-    b: &SMatrix<f64, N, M>,
-    q: &SMatrix<f64, N, N>,
-) -> SMatrix<f64, N, N> {
-    let mut out = *q;
-    for j in 0..N {
-        for k in 0..M {
-            let factor = b[(j, k)];
-            for i in j..N {
-                out[(i, j)] += g[(i, k)] * factor;
-            }
-        }
-        for i in j + 1..N {
-            out[(j, i)] = out[(i, j)];
-        }
-    }
-    out
+    mirrored(times_transposed(&times(f, p), f, *q))
 }
 
 /// The correction (H1, G2): gain `K = P H^T S^-1`, mean `x + K r`, covariance in Joseph's form
@@ -51,16 +30,15 @@ pub(crate) fn correct<const N: usize, const M: usize>(
     gate: &Gate,
 ) -> Result<Innovation<M>> {
     let p = &belief.covariance;
-    let h_p = h * p;
-    let (innovation, factor) = Innovation::new(residual, congruence(&h_p, h, r), gate)?;
+    let p_ht = times_transposed(p, h, SMatrix::zeros());
+    let s = mirrored(times(h, &p_ht) + r);
+    let (innovation, factor) = Innovation::new(residual, s, gate)?;
     if innovation.accepted {
-        let mut gain_transposed = h_p;
-        factor.solve_mut(&mut gain_transposed);
-        let gain = gain_transposed.transpose();
-        let kept = SMatrix::<f64, N, N>::identity() - gain * h;
-        let noise = congruence(&(gain * r), &gain, &SMatrix::zeros());
+        let gain = factor.solve_right(p_ht);
+        let kept = SMatrix::<f64, N, N>::identity() - times(&gain, h);
+        let noise = times_transposed(&times(&gain, r), &gain, SMatrix::zeros());
         belief.mean += gain * innovation.residual;
-        belief.covariance = congruence(&(kept * p), &kept, &noise);
+        belief.covariance = mirrored(times_transposed(&times(&kept, p), &kept, noise));
     }
     Ok(innovation)
 }

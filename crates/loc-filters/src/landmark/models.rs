@@ -52,26 +52,59 @@ pub struct RangeBearingModel {
 /// Nearer than this \[m\] a landmark has no direction that a linear filter could use.
 const NEAREST: f64 = 1e-3;
 
+/// The camera and the landmark, as the robot at some pose sees them.
+struct View {
+    /// From the robot to its camera, in the map \[m\].
+    lever: (f64, f64),
+    /// From the camera to the landmark, in the map \[m\].
+    way: (f64, f64),
+    /// Heading of the camera \[rad\].
+    heading: f64,
+}
+
+impl RangeBearingModel {
+    fn view(&self, state: &Vector3<f64>) -> View {
+        let (sin, cos) = state.z.sin_cos();
+        let (x, y) = (self.mounting.x, self.mounting.y);
+        let lever = (cos * x - sin * y, sin * x + cos * y);
+        let way = (self.landmark.x - state.x - lever.0, self.landmark.y - state.y - lever.1);
+        View { lever, way, heading: state.z + self.mounting.theta }
+    }
+}
+
+impl View {
+    fn expect(&self) -> Vector2<f64> {
+        let (dx, dy) = self.way;
+        let range = (dx * dx + dy * dy).sqrt();
+        Vector2::new(range, angle::wrap(dy.atan2(dx) - self.heading))
+    }
+
+    fn jacobian(&self, range: f64) -> Matrix2x3<f64> {
+        let per_r = 1.0 / range.max(NEAREST);
+        let (ux, uy) = (self.way.0 * per_r, self.way.1 * per_r);
+        // As the robot turns, its camera moves at a right angle to the lever arm.
+        let (lever_x, lever_y) = self.lever;
+        let range_by_theta = ux * lever_y - uy * lever_x;
+        let bearing_by_theta = -1.0 - (ux * lever_x + uy * lever_y) * per_r;
+        Matrix2x3::new(-ux, -uy, range_by_theta, uy * per_r, -ux * per_r, bearing_by_theta)
+    }
+}
+
 impl MeasurementModel<3, 2> for RangeBearingModel {
     fn expect(&self, state: &Vector3<f64>) -> Vector2<f64> {
-        let camera = Pose2::from_vector(state) * self.mounting;
-        let (dx, dy) = (self.landmark.x - camera.x, self.landmark.y - camera.y);
-        Vector2::new(f64::hypot(dx, dy), angle::wrap(dy.atan2(dx) - camera.theta))
+        self.view(state).expect()
     }
 
     /// Rows `[(x-x_i)/r, (y-y_i)/r, .]` and `[-(y-y_i)/r^2, (x-x_i)/r^2, .]`; the last column
     /// carries the camera's way round the robot's centre, and is (0, -1) for a camera there.
     fn jacobian(&self, state: &Vector3<f64>) -> Matrix2x3<f64> {
-        let base = Pose2::from_vector(state);
-        let camera = base * self.mounting;
-        let (dx, dy) = (self.landmark.x - camera.x, self.landmark.y - camera.y);
-        let r = f64::hypot(dx, dy).max(NEAREST);
-        let (ux, uy) = (dx / r, dy / r);
-        // As the robot turns, its camera moves at a right angle to the lever arm.
-        let (lever_x, lever_y) = (camera.x - base.x, camera.y - base.y);
-        let range_by_theta = ux * lever_y - uy * lever_x;
-        let bearing_by_theta = -1.0 - (ux * lever_x + uy * lever_y) / r;
-        Matrix2x3::new(-ux, -uy, range_by_theta, uy / r, -ux / r, bearing_by_theta)
+        self.linearize(state).1
+    }
+
+    fn linearize(&self, state: &Vector3<f64>) -> (Vector2<f64>, Matrix2x3<f64>) {
+        let view = self.view(state);
+        let expected = view.expect();
+        (expected, view.jacobian(expected.x))
     }
 
     fn noise(&self, expected: &Vector2<f64>) -> Matrix2<f64> {
