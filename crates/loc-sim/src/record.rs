@@ -1,7 +1,7 @@
 //! What a run leaves behind: the truth, and each method's estimates at the same stamps.
 
 use crate::event::Truth;
-use crate::localizer::{Estimate, Judgement, Method};
+use crate::localizer::{Estimate, Judgement, Method, MethodSettings};
 use crate::source::Setup;
 use loc_core::Stamped;
 
@@ -10,6 +10,8 @@ use loc_core::Stamped;
 pub struct Run {
     /// What was known before it.
     pub setup: Setup,
+    /// What the methods were told.
+    pub settings: MethodSettings,
     /// The truth, thinned to at most 10 Hz.
     pub truth: Vec<Stamped<Truth>>,
     /// One record per method, in the order in which they were asked for.

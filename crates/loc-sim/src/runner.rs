@@ -52,7 +52,7 @@ pub fn run(
     }
     let notes = source.notes();
     let methods = runners.into_iter().map(|runner| runner.record).collect();
-    Ok(Run { setup, truth, methods, notes })
+    Ok(Run { setup, settings: settings.clone(), truth, methods, notes })
 }
 
 /// One method with its record and its stopwatch.

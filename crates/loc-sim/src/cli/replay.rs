@@ -75,9 +75,13 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     })?;
     progress.finish();
     let name = run.setup.name.replace(' ', "-");
-    let title = format!("{} on a recording", join(methods));
-    let finished =
-        Finished { run: &run, name: &name, title: &title, seed: None, also_in_frame: None };
+    let finished = Finished {
+        run: &run,
+        name: &name,
+        title: &run.setup.name,
+        seed: None,
+        also_in_frame: None,
+    };
     show(&finished, &args.output, global)
 }
 
@@ -92,8 +96,4 @@ fn guess(log: &Path) -> Result<Format> {
         expected: "a recording: a folder with Barcodes.dat (mrclam)".into(),
         found: if log.is_dir() { "a folder without it" } else { "a file" }.into(),
     })
-}
-
-fn join(methods: &[Method]) -> String {
-    methods.iter().map(|method| method.name()).collect::<Vec<_>>().join(", ")
 }

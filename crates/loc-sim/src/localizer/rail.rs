@@ -7,7 +7,7 @@ use crate::{Error, Result};
 use loc_core::{Gaussian, Pose2};
 use loc_filters::kalman::{KalmanFilter, LinearMeasurement, LinearMotion};
 use loc_filters::{Gate, Innovation};
-use nalgebra::{Matrix1, Matrix1x2, Matrix2, Matrix2x1, Matrix3, Vector1};
+use nalgebra::{Matrix1, Matrix1x2, Matrix2, Matrix2x1, Matrix3, Point2, Vector1};
 
 /// State (x, v) \[m, m/s\] under a commanded acceleration.
 #[derive(Debug)]
@@ -91,7 +91,7 @@ impl Localizer for RailFilter {
             accepted: innovation.accepted,
             nis: Some(innovation.nis),
             degrees_of_freedom: 1,
-            seen_at: None,
+            seen_at: Some(Point2::new(position, 0.0)),
         }])
     }
 

@@ -2,8 +2,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
 #[cfg(feature = "cli")]
+mod cli;
+mod consistency;
+#[cfg(feature = "cli")]
 mod eval;
 mod evo;
 mod figures;
+mod layering;
 mod metrics;
+mod mrclam;
 mod recordings;
+mod scenarios;

@@ -4,21 +4,26 @@ use super::{FigureFile, every};
 use crate::localizer::{Estimate, Method};
 use crate::output::svg::{Role, Scene};
 use crate::record::{MethodRecord, Run};
-use loc_core::{Ellipse, Gaussian};
+use loc_core::{Ellipse, Gaussian, Pose2};
 
 /// About how many ellipses and arrows are drawn along a path.
 const MARKS: usize = 24;
+
+/// Longest half axis of an ellipse that is drawn beside other methods, as a share of the extent.
+const LARGEST_ELLIPSE: f64 = 0.2;
 
 /// About how many measured landmark positions are drawn.
 const STARS: usize = 400;
 
 pub(super) fn map(run: &Run, title: &str) -> FigureFile {
     let mut scene = Scene::new(title).subtitle(subtitle(run));
+    let largest = LARGEST_ELLIPSE * extent(run);
     for (k, record) in run.methods.iter().enumerate() {
         let label = format!("{}, 2 sigma", record.method);
-        let label = if k == 0 { label.as_str() } else { "" };
         let ellipses = marked(&record.estimates).filter_map(two_sigma);
-        scene = scene.ellipses(Role::Method(k).width(0.9), label, ellipses);
+        // The ellipses of a method that is lost would hide everything else.
+        let fits = |ellipse: &Ellipse| run.methods.len() == 1 || ellipse.semi_major < largest;
+        scene = scene.ellipses(Role::Method(k).width(0.9), &label, ellipses.filter(fits));
     }
     if let Some(seen) = run.methods.iter().rev().find_map(measured) {
         scene = scene.stars(Role::Measurement, "landmark as measured", seen);
@@ -45,8 +50,19 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
     }
 }
 
+/// Diagonal of the box around the true path \[m\].
+fn extent(run: &Run) -> f64 {
+    let poses = || run.truth.iter().map(|truth| truth.value.pose);
+    let span = |of: fn(&Pose2) -> f64| {
+        let values = || poses().map(|pose| of(&pose));
+        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+    };
+    f64::hypot(span(|pose| pose.x), span(|pose| pose.y))
+}
+
 fn subtitle(run: &Run) -> String {
-    format!("{}: {:.1} m in {:.1} s", run.setup.name, run.distance(), run.duration())
+    let methods: Vec<&str> = run.methods.iter().map(|record| record.method.name()).collect();
+    format!("{}, {:.1} m in {:.1} s", methods.join(" and "), run.distance(), run.duration())
 }
 
 fn marked(estimates: &[Estimate]) -> impl Iterator<Item = &Estimate> {

@@ -2,7 +2,8 @@
 //! accuracy of position and speed with and without corrections.
 
 use super::FigureFile;
-use crate::localizer::Estimate;
+use crate::event::Measurement;
+use crate::localizer::{Estimate, Method};
 use crate::output::svg::{Chart, Figure, Role};
 use crate::record::{MethodRecord, Run};
 use loc_core::{Gaussian, Normal};
@@ -39,16 +40,21 @@ fn drive(run: &Run, title: &str) -> FigureFile {
 /// The densities of the position at the end: prediction, readings, corrected belief.
 fn density(run: &Run) -> FigureFile {
     let mut chart = Chart::new("density [1/m]");
+    let mut peak = 0.0_f64;
     let end = run.truth.last().map_or(0.0, |truth| truth.stamp);
     for (k, record) in run.methods.iter().enumerate() {
         let belief = record.estimates.last().and_then(|estimate| estimate.rail);
         if let Some(normal) = belief.and_then(|b| normal(b.mean.x, b.covariance.m11)) {
+            peak = peak.max(normal.density(normal.mean()));
             chart = chart.line(Role::Method(k), record.method.name(), bell(&normal));
         }
     }
+    let upright = |at: f64| [(at, 0.0), (at, peak)];
+    for reading in readings(run, end) {
+        chart = chart.line(Role::Measurement, "reading", upright(reading));
+    }
     if let Some(truth) = run.truth.last() {
-        let at = truth.value.pose.x;
-        chart = chart.line(Role::Truth.dotted(), "true position", [(at, 0.0), (at, 0.3)]);
+        chart = chart.line(Role::Truth.dotted(), "true position", upright(truth.value.pose.x));
     }
     let figure = Figure::new(format!("Where the methods believe to be after {end:.1} s"));
     FigureFile {
@@ -68,12 +74,39 @@ fn accuracy(run: &Run) -> FigureFile {
         position = position.line(role, name, beliefs(run, record).map(|(t, b)| (t, sigma(b, 0))));
         speed = speed.line(role, name, beliefs(run, record).map(|(t, b)| (t, sigma(b, 1))));
     }
+    let always = corrected_at_every_step(run);
+    let role = Role::Reference.dashed();
+    let label = "corrected at every step";
+    let line = |i: usize| always.iter().map(move |(t, b)| (*t, b.covariance[(i, i)].sqrt()));
+    position = position.line(role, label, line(0));
+    speed = speed.line(role, label, line(1));
     let figure = Figure::new("Accuracy with and without corrections").x_label("time [s]");
     FigureFile {
         file: "accuracy.svg",
         caption: "Standard deviations of position and speed over time",
         svg: figure.panel(position).panel(speed).render(),
     }
+}
+
+/// What the Kalman filter would believe if every sensor read at every step. Its covariance does
+/// not depend on the readings, so that any will do.
+fn corrected_at_every_step(run: &Run) -> Vec<(f64, Gaussian<2>)> {
+    let mut beliefs = Vec::new();
+    let Ok(mut kf) = Method::Kf.start(&run.setup, &run.settings) else { return beliefs };
+    for truth in &run.truth {
+        if truth.stamp > run.setup.start {
+            for sensor in 0..run.settings.rail.sensor_sigmas.len() {
+                let position = truth.value.pose.x;
+                let reading = Measurement::RailPosition { sensor, position };
+                if kf.correct(truth.stamp, &reading).is_err() {
+                    return beliefs;
+                }
+            }
+        }
+        let belief = kf.estimate(truth.stamp).ok().and_then(|estimate| estimate.rail);
+        beliefs.extend(belief.map(|belief| (truth.stamp, belief)));
+    }
+    beliefs
 }
 
 fn beliefs<'a>(
@@ -90,6 +123,14 @@ fn band(run: &Run, record: &MethodRecord, i: usize) -> Vec<(f64, f64, f64)> {
         (t, b.mean[i] - reach, b.mean[i] + reach)
     };
     beliefs(run, record).map(limits).collect()
+}
+
+/// What the sensors read at the end.
+fn readings(run: &Run, end: f64) -> Vec<f64> {
+    let judgements = run.methods.iter().map(|record| &record.judgements);
+    let most = judgements.max_by_key(|judgements| judgements.len());
+    let last = most.into_iter().flatten().filter(|judgement| judgement.stamp >= end);
+    last.filter_map(|judgement| judgement.value.seen_at).map(|place| place.x).collect()
 }
 
 /// `None` for a belief that is certain and has no density.

@@ -1,0 +1,38 @@
+//! The house: a crate uses the floors below it, never one above or beside.
+
+use serde_json::Value;
+use std::process::Command;
+
+/// The crates from the ground up; those of one string share a floor.
+const FLOORS: [&str; 6] =
+    ["loc-core", "loc-sensors", "loc-maps", "loc-filters", "loc-pf", "loc-sim"];
+
+fn floor(name: &str) -> Option<usize> {
+    FLOORS.iter().position(|&known| known == name)
+}
+
+#[test]
+fn crates_depend_strictly_downward() {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--no-deps", "--format-version", "1"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mut seen = 0;
+    for package in metadata["packages"].as_array().unwrap() {
+        let name = package["name"].as_str().unwrap();
+        // The benches stand outside the house and may look into every room.
+        if name == "loc-bench" {
+            continue;
+        }
+        let own = floor(name).unwrap_or_else(|| panic!("{name} has no floor"));
+        seen += 1;
+        for dependency in package["dependencies"].as_array().unwrap() {
+            let used = dependency["name"].as_str().unwrap();
+            let below = floor(used).is_none_or(|used| used < own);
+            assert!(below, "{name} uses {used}, which is not below it");
+        }
+    }
+    assert!(seen >= 5);
+}
