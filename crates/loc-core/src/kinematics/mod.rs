@@ -1,7 +1,7 @@
 //! What the wheels of a drive have to do with the robot's velocity, both ways (E1, E3, E4).
 //!
 //! Wheel speeds are rim speeds \[m/s\]: revolutions times circumference. Each drive has `twist`,
-//! from its wheels to the robot's [`Twist2`]; the way back; and the Jacobian of the former, which
+//! from its wheels to the robot's [`Twist2`](crate::Twist2); the way back; and the Jacobian of the former, which
 //! takes the noise of the wheels to that of the velocity: `S_u = J S_wheels J^T`.
 //!
 //! ```
