@@ -2,6 +2,7 @@
 
 #[cfg(feature = "cli")]
 pub mod cli;
+mod config;
 pub mod error;
 pub mod event;
 pub mod localizer;

@@ -1,11 +1,10 @@
 //! What the filters are told, in the units of configuration files.
 
 use crate::Result;
-use loc_core::Pose2;
+use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
 use loc_core::error::{non_negative, positive};
-use loc_core::motion::{Integration, VelocityNoise};
+use loc_core::motion::Integration;
 use loc_filters::landmark::LandmarkSettings;
-use loc_sensors::landmark_camera::LandmarkNoise;
 use serde::Deserialize;
 
 /// Settings of the methods. What is left out follows the simulated sensors, or the defaults.
@@ -22,91 +21,6 @@ pub struct FilterConfig {
     pub gate_probability: Option<f64>,
     /// How late an input may come.
     pub horizon_s: Option<f64>,
-}
-
-/// The error model of odometry (E7), as standard deviations.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OdometryNoiseConfig {
-    /// Of the distance, after 1 m.
-    pub distance_sigma_m: f64,
-    /// Of the heading, after a full turn.
-    pub turn_sigma_deg: f64,
-    /// Of the heading, after 1 m.
-    pub drift_sigma_deg: f64,
-}
-
-/// Noise of a landmark camera, as standard deviations.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SightNoiseConfig {
-    /// Of the distance, at the camera.
-    pub range_sigma_m: f64,
-    /// Its growth with the distance.
-    #[serde(default)]
-    pub range_sigma_per_m: f64,
-    /// Of the direction.
-    pub bearing_sigma_deg: f64,
-}
-
-/// Where a robot starts, and how well that is known.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct StartConfig {
-    /// Position.
-    pub x_m: f64,
-    /// Position.
-    pub y_m: f64,
-    /// Heading, counter-clockwise.
-    pub heading_deg: f64,
-    /// Standard deviation of x and of y; the filters start at a pose drawn from it.
-    pub position_sigma_m: f64,
-    /// Standard deviation of the heading.
-    pub heading_sigma_deg: f64,
-}
-
-impl OdometryNoiseConfig {
-    /// The library's form.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`].
-    pub fn noise(&self) -> Result<VelocityNoise> {
-        let [turn, drift] = [self.turn_sigma_deg, self.drift_sigma_deg].map(f64::to_radians);
-        Ok(VelocityNoise::from_sigmas(self.distance_sigma_m, turn, drift)?)
-    }
-}
-
-impl SightNoiseConfig {
-    /// The library's form.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`].
-    pub fn noise(&self) -> Result<LandmarkNoise> {
-        let noise = LandmarkNoise {
-            range_sigma: self.range_sigma_m,
-            range_sigma_per_m: self.range_sigma_per_m,
-            bearing_sigma: self.bearing_sigma_deg.to_radians(),
-        };
-        noise.check()?;
-        Ok(noise)
-    }
-}
-
-impl StartConfig {
-    /// The true start pose.
-    pub fn pose(&self) -> Pose2 {
-        Pose2::new(self.x_m, self.y_m, self.heading_deg.to_radians())
-    }
-
-    /// Standard deviations of (x, y, heading) \[m, m, rad\].
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for negative ones.
-    pub fn sigmas(&self) -> Result<[f64; 3]> {
-        let position = non_negative("position_sigma_m", self.position_sigma_m)?;
-        let heading = non_negative("heading_sigma_deg", self.heading_sigma_deg)?;
-        Ok([position, position, heading.to_radians()])
-    }
 }
 
 impl FilterConfig {

@@ -12,21 +12,18 @@
 //! ```
 
 pub mod builtin;
-mod config;
-mod drive;
 mod filter;
-mod rail;
 pub mod recording;
 
-pub use drive::{CameraConfig, DriveConfig, LandmarkConfig, Segment, WheelConfig};
-pub use filter::{FilterConfig, OdometryNoiseConfig, SightNoiseConfig, StartConfig};
-pub use rail::{RailConfig, RailSensorConfig};
+pub use filter::FilterConfig;
 pub use recording::RecordingConfig;
 
 use crate::localizer::{Method, MethodSettings};
 use crate::record::Run;
+use crate::source::drive::DriveConfig;
+use crate::source::rail::RailConfig;
 use crate::source::{SimulatedDrive, SimulatedRail, Source};
-use crate::{Error, Result, runner};
+use crate::{Error, Result, config, runner};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -49,6 +46,8 @@ pub struct Scenario {
     pub drive: Option<DriveConfig>,
     /// A vehicle on a rail.
     pub rail: Option<RailConfig>,
+    /// Settings of the methods; what is left out follows the simulated sensors.
+    pub filter: Option<FilterConfig>,
     /// The name of a left-handed frame in which final poses are printed as well: `kurt2`.
     pub also_in_frame: Option<String>,
 }
@@ -93,11 +92,17 @@ impl Scenario {
         }
         self.method_list()?;
         match (&self.drive, &self.rail) {
-            (Some(drive), None) => drive.check(),
-            (None, Some(rail)) => rail.check(),
-            (Some(_), Some(_)) => Err(config::field("drive, rail", "one of the two", "both")),
-            (None, None) => Err(config::field("drive, rail", "one of the two", "none")),
+            (Some(drive), None) => drive.check()?,
+            (None, Some(_)) if self.filter.is_some() => {
+                return Err(config::field("filter", "none for a vehicle on a rail", "one"));
+            }
+            (None, Some(rail)) => rail.check()?,
+            (Some(_), Some(_)) => {
+                return Err(config::field("drive, rail", "one of the two", "both"));
+            }
+            (None, None) => return Err(config::field("drive, rail", "one of the two", "none")),
         }
+        self.settings().map(|_| ())
     }
 
     /// The methods that the scenario asks for.
@@ -125,8 +130,10 @@ impl Scenario {
     /// # Errors
     /// Settings out of range.
     pub fn settings(&self) -> Result<MethodSettings> {
+        let sensors = self.drive.as_ref().map_or(Ok(Default::default()), DriveConfig::settings)?;
+        let filter = self.filter.clone().unwrap_or_default();
         Ok(MethodSettings {
-            landmark: self.drive.as_ref().map_or(Ok(Default::default()), DriveConfig::settings)?,
+            landmark: filter.apply(sensors)?,
             rail: self.rail.as_ref().map(RailConfig::settings).unwrap_or_default(),
         })
     }

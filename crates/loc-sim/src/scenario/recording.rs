@@ -1,9 +1,8 @@
 //! The configuration of a replay: the calibration of the robot's sensors, and the filter.
 
-use super::config;
 use super::filter::FilterConfig;
 use crate::localizer::MethodSettings;
-use crate::{Error, Result};
+use crate::{Error, Result, config};
 use loc_filters::landmark::LandmarkSettings;
 use loc_sensors::landmark_camera::CameraCalibration;
 use loc_sensors::wheel::OdometryCalibration;

@@ -3,14 +3,16 @@
 //! A new log format is one file here that implements [`Source`].
 
 mod calibrated;
-mod drive;
+pub mod drive;
 pub mod mrclam;
-mod rail;
+mod noise;
+pub mod rail;
 mod reorder;
 
 pub use calibrated::Calibrated;
 pub use drive::SimulatedDrive;
 pub use mrclam::Mrclam;
+pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
 pub use rail::SimulatedRail;
 
 use crate::Result;

@@ -35,6 +35,6 @@ fn landmark_drive_is_consistent() {
 /// The same test must notice a filter that believes its sensors to be twice as good.
 #[test]
 fn an_optimistic_filter_is_noticed() {
-    let boast = "drive.filter.camera={range_sigma_m=0.05,bearing_sigma_deg=1.0}".to_owned();
+    let boast = "filter.camera={range_sigma_m=0.05,bearing_sigma_deg=1.0}".to_owned();
     assert!(share_in_band("landmark-drive", Method::Ekf, &[boast]) < 0.1);
 }

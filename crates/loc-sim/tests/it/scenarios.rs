@@ -21,7 +21,7 @@ fn last(run: &Run, method: Method) -> Estimate {
 #[test]
 fn kurt2_example_ends_at_the_corrected_numbers() {
     for (rule, x, z) in [("midpoint", 30.64, 151.15), ("exact-arc", 30.589, 150.900)] {
-        let run = run("kurt2-example", &[&format!("drive.filter.integration={rule}")]);
+        let run = run("kurt2-example", &[&format!("filter.integration={rule}")]);
         let pose = Kurt2Pose::from(last(&run, Method::DeadReckoning).pose);
         assert_relative_eq!(100.0 * pose.x, x, epsilon = 5e-3);
         assert_relative_eq!(100.0 * pose.z, z, epsilon = 5e-3);
@@ -38,7 +38,7 @@ fn kurt2_example_ends_at_the_corrected_numbers() {
 /// E8: with perfect readings the estimate is the one of the nominal controls.
 #[test]
 fn circle_drive_has_the_printed_mean_and_covariance() {
-    let noise = "drive.filter.odometry={distance_sigma_m=0.02,turn_sigma_deg=5,drift_sigma_deg=2}";
+    let noise = "filter.odometry={distance_sigma_m=0.02,turn_sigma_deg=5,drift_sigma_deg=2}";
     let perfect = "drive.wheels={track_m=0.4}";
     let printed = [
         (
@@ -55,7 +55,7 @@ fn circle_drive_has_the_printed_mean_and_covariance() {
         ),
     ];
     for (rule, x, y, [xx, xy, xt, yy, yt, tt]) in printed {
-        let rule = format!("drive.filter.integration={rule}");
+        let rule = format!("filter.integration={rule}");
         let estimate = last(&run("circle-drive", &[noise, perfect, &rule]), Method::DeadReckoning);
         assert_relative_eq!(estimate.pose.x, x, epsilon = 5e-8);
         assert_relative_eq!(estimate.pose.y, y, epsilon = 5e-8);
@@ -63,7 +63,7 @@ fn circle_drive_has_the_printed_mean_and_covariance() {
         let expected = Matrix3::new(xx, xy, xt, xy, yy, yt, xt, yt, tt);
         assert_relative_eq!(estimate.covariance.unwrap(), expected, epsilon = 5e-9);
     }
-    let exact = run("circle-drive", &[noise, perfect, "drive.filter.integration=exact-arc"]);
+    let exact = run("circle-drive", &[noise, perfect, "filter.integration=exact-arc"]);
     let pose = last(&exact, Method::DeadReckoning).pose;
     assert_relative_eq!(pose.x, -0.9710122, epsilon = 5e-8);
     assert_relative_eq!(pose.y, 0.2063950, epsilon = 5e-8);

@@ -5,7 +5,7 @@ use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
 /// Reads a configuration, after applying changes of the form `key.subkey=value`.
-pub(super) fn parse<T: DeserializeOwned>(file: &str, text: &str, changes: &[String]) -> Result<T> {
+pub(crate) fn parse<T: DeserializeOwned>(file: &str, text: &str, changes: &[String]) -> Result<T> {
     if changes.is_empty() {
         return toml::from_str(text).map_err(|e| error(file, &located(text, &e)));
     }
@@ -18,12 +18,12 @@ pub(super) fn parse<T: DeserializeOwned>(file: &str, text: &str, changes: &[Stri
     config.try_into().map_err(|e: toml::de::Error| error(&file, e.message()))
 }
 
-pub(super) fn error(file: &str, message: &str) -> Error {
+pub(crate) fn error(file: &str, message: &str) -> Error {
     Error::Config { file: file.into(), message: message.into() }
 }
 
 /// An error about one key of a configuration, which the caller puts into its file.
-pub(super) fn field(key: &str, expected: &str, found: &str) -> Error {
+pub(crate) fn field(key: &str, expected: &str, found: &str) -> Error {
     let what = match found {
         "" => "nothing".to_owned(),
         found => format!("`{found}`"),

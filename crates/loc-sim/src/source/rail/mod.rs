@@ -1,9 +1,12 @@
 //! A simulated vehicle on a rail (G3, G4).
 
+mod config;
+
+pub use config::{RailConfig, RailSensorConfig};
+
 use super::{Setup, Source};
 use crate::Result;
 use crate::event::{Control, Event, Measurement, Payload, Truth};
-use crate::scenario::RailConfig;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Pose2};
 use nalgebra::{Matrix2, Vector2, Vector3};

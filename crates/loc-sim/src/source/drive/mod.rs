@@ -1,10 +1,13 @@
 //! A simulated robot that drives a course among landmarks.
 
+mod config;
+
+pub use config::{CameraConfig, DriveConfig, LandmarkConfig, Segment, StartConfig, WheelConfig};
+
 use super::reorder::Reorder;
 use super::{Setup, Source};
 use crate::Result;
 use crate::event::{Control, Event, Measurement, Payload, Truth};
-use crate::scenario::DriveConfig;
 use loc_core::gaussian::pose_belief;
 use loc_core::motion::Integration;
 use loc_core::random::{ChaCha8Rng, stream};

@@ -1,7 +1,7 @@
 //! The configuration of a simulated vehicle on a rail (G3, G4).
 
-use super::config::field;
 use crate::Result;
+use crate::config::field;
 use crate::localizer::RailSettings;
 use loc_core::Gaussian;
 use loc_core::error::{finite, non_negative, positive};
@@ -57,7 +57,7 @@ impl RailConfig {
     ///
     /// # Errors
     /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         positive("rail.time_step_s", self.time_step_s)?;
         if self.steps == 0 || self.steps > 100_000_000 {
             return Err(field("rail.steps", "1 to 100000000", &self.steps.to_string()));

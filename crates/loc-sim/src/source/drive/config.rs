@@ -1,9 +1,9 @@
 //! The configuration of a simulated robot in the plane.
 
-use super::config::field;
-use super::filter::{FilterConfig, OdometryNoiseConfig, SightNoiseConfig, StartConfig};
 use crate::Result;
-use loc_core::error::{finite, positive};
+use crate::config::field;
+use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
+use loc_core::error::{finite, non_negative, positive};
 use loc_core::kinematics::Differential;
 use loc_core::motion::VelocityNoise;
 use loc_core::{Pose2, Twist2};
@@ -31,9 +31,22 @@ pub struct DriveConfig {
     /// The landmarks.
     #[serde(default)]
     pub landmarks: Vec<LandmarkConfig>,
-    /// Settings of the methods.
-    #[serde(default)]
-    pub filter: FilterConfig,
+}
+
+/// Where a robot starts, and how well that is known.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StartConfig {
+    /// Position.
+    pub x_m: f64,
+    /// Position.
+    pub y_m: f64,
+    /// Heading, counter-clockwise.
+    pub heading_deg: f64,
+    /// Standard deviation of x and of y; the filters start at a pose drawn from it.
+    pub position_sigma_m: f64,
+    /// Standard deviation of the heading.
+    pub heading_sigma_deg: f64,
 }
 
 /// A piece of the course at constant velocity: either `v_m_s` and `omega_deg_s`, or the speeds of
@@ -125,7 +138,7 @@ impl DriveConfig {
     ///
     /// # Errors
     /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         positive("drive.time_step_s", self.time_step_s)?;
         if self.course.is_empty() {
             return Err(field("drive.course", "at least one segment", ""));
@@ -136,7 +149,7 @@ impl DriveConfig {
         }
         if let Some(camera) = &self.camera {
             self.steps("drive.camera.every_s", camera.every_s)?;
-            loc_core::error::non_negative("drive.camera.latency_s", camera.latency_s)?;
+            non_negative("drive.camera.latency_s", camera.latency_s)?;
             camera.camera()?;
         }
         for value in [self.start.x_m, self.start.y_m, self.start.heading_deg] {
@@ -145,7 +158,6 @@ impl DriveConfig {
         self.start.sigmas()?;
         self.odometry()?;
         self.map()?;
-        self.settings()?;
         Ok(())
     }
 
@@ -213,7 +225,7 @@ impl DriveConfig {
         Ok(LandmarkMap::new(self.landmarks.iter().map(planar))?)
     }
 
-    /// What the methods are told: where the filter section is silent, the truth about the sensors.
+    /// What the methods are told unless a filter section says otherwise: the truth.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
@@ -224,7 +236,7 @@ impl DriveConfig {
             let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
             settings = LandmarkSettings { mounting, sight_noise: noise, ..settings };
         }
-        self.filter.apply(settings)
+        Ok(settings)
     }
 }
 
@@ -246,5 +258,22 @@ impl CameraConfig {
         };
         camera.check()?;
         Ok(camera)
+    }
+}
+
+impl StartConfig {
+    /// The true start pose.
+    pub fn pose(&self) -> Pose2 {
+        Pose2::new(self.x_m, self.y_m, self.heading_deg.to_radians())
+    }
+
+    /// Standard deviations of (x, y, heading) \[m, m, rad\].
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for negative ones.
+    pub fn sigmas(&self) -> Result<[f64; 3]> {
+        let position = non_negative("position_sigma_m", self.position_sigma_m)?;
+        let heading = non_negative("heading_sigma_deg", self.heading_sigma_deg)?;
+        Ok([position, position, heading.to_radians()])
     }
 }
