@@ -11,7 +11,7 @@
 //! /// Distance from the origin, measured to 0.1.
 //! struct Distance;
 //! impl MeasurementModel<2, 1> for Distance {
-//!     fn expect(&self, x: &Vector2<f64>) -> Vector1<f64> { Vector1::new(x.norm()) }
+//!     fn predict(&self, x: &Vector2<f64>) -> Vector1<f64> { Vector1::new(x.norm()) }
 //!     fn jacobian(&self, x: &Vector2<f64>) -> Matrix1x2<f64> { x.normalize().transpose() }
 //!     fn noise(&self, _: &Vector1<f64>) -> Matrix1<f64> { Matrix1::new(0.01) }
 //! }
@@ -51,12 +51,12 @@ pub trait MotionModel<const N: usize> {
 /// What a sensor sees of the state.
 pub trait MeasurementModel<const N: usize, const M: usize> {
     /// The measurement that is expected, `h(x)`.
-    fn expect(&self, state: &SVector<f64, N>) -> SVector<f64, M>;
+    fn predict(&self, state: &SVector<f64, N>) -> SVector<f64, M>;
     /// Its derivative over the state, `H`, M x N.
     fn jacobian(&self, state: &SVector<f64, N>) -> SMatrix<f64, M, N>;
     /// Both at once; worth overriding where they share their work.
     fn linearize(&self, state: &SVector<f64, N>) -> (SVector<f64, M>, SMatrix<f64, M, N>) {
-        (self.expect(state), self.jacobian(state))
+        (self.predict(state), self.jacobian(state))
     }
     /// Covariance of the sensor's noise, `Q`, where it is expected to measure `expected`.
     fn noise(&self, expected: &SVector<f64, M>) -> SMatrix<f64, M, M>;

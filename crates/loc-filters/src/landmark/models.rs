@@ -73,7 +73,7 @@ impl RangeBearingModel {
 }
 
 impl View {
-    fn expect(&self) -> Vector2<f64> {
+    fn predict(&self) -> Vector2<f64> {
         let (dx, dy) = self.way;
         let range = (dx * dx + dy * dy).sqrt();
         Vector2::new(range, angle::wrap(dy.atan2(dx) - self.heading))
@@ -91,8 +91,8 @@ impl View {
 }
 
 impl MeasurementModel<3, 2> for RangeBearingModel {
-    fn expect(&self, state: &Vector3<f64>) -> Vector2<f64> {
-        self.view(state).expect()
+    fn predict(&self, state: &Vector3<f64>) -> Vector2<f64> {
+        self.view(state).predict()
     }
 
     /// Rows `[(x-x_i)/r, (y-y_i)/r, .]` and `[-(y-y_i)/r^2, (x-x_i)/r^2, .]`; the last column
@@ -103,7 +103,7 @@ impl MeasurementModel<3, 2> for RangeBearingModel {
 
     fn linearize(&self, state: &Vector3<f64>) -> (Vector2<f64>, Matrix2x3<f64>) {
         let view = self.view(state);
-        let expected = view.expect();
+        let expected = view.predict();
         (expected, view.jacobian(expected.x))
     }
 
@@ -123,8 +123,8 @@ impl MeasurementModel<3, 2> for RangeBearingModel {
 pub struct RangeModel(pub RangeBearingModel);
 
 impl MeasurementModel<3, 1> for RangeModel {
-    fn expect(&self, state: &Vector3<f64>) -> Vector1<f64> {
-        Vector1::new(self.0.expect(state).x)
+    fn predict(&self, state: &Vector3<f64>) -> Vector1<f64> {
+        Vector1::new(self.0.predict(state).x)
     }
 
     fn jacobian(&self, state: &Vector3<f64>) -> Matrix1x3<f64> {
@@ -141,8 +141,8 @@ impl MeasurementModel<3, 1> for RangeModel {
 pub struct BearingModel(pub RangeBearingModel);
 
 impl MeasurementModel<3, 1> for BearingModel {
-    fn expect(&self, state: &Vector3<f64>) -> Vector1<f64> {
-        Vector1::new(self.0.expect(state).y)
+    fn predict(&self, state: &Vector3<f64>) -> Vector1<f64> {
+        Vector1::new(self.0.predict(state).y)
     }
 
     fn jacobian(&self, state: &Vector3<f64>) -> Matrix1x3<f64> {

@@ -18,7 +18,7 @@ fn slope<const M: usize>(
         above[column] += 1e-6;
         below[column] -= 1e-6;
         let difference: SVector<f64, M> =
-            model.residual(&model.expect(&above), &model.expect(&below));
+            model.residual(&model.predict(&above), &model.predict(&below));
         out.set_column(column, &(difference / 2e-6));
     }
     out
