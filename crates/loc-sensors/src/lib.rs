@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 
+mod check;
 pub mod landmark_camera;
+pub mod laser;
 pub mod wheel;
 pub mod world;
 

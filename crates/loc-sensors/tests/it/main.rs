@@ -2,4 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
 mod landmark_camera;
+mod laser;
+mod laser_scan;
 mod wheel;
+mod world;
