@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod check;
+pub mod features;
 pub mod landmark_camera;
 pub mod laser;
 pub mod wheel;
