@@ -4,6 +4,7 @@ mod check;
 pub mod features;
 pub mod landmark_camera;
 pub mod laser;
+pub mod rgbd;
 pub mod wheel;
 pub mod world;
 

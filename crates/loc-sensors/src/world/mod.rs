@@ -3,7 +3,7 @@
 //! A sensor never knows which map it stands in: it asks through these traits, so any map can be
 //! its world. [`Landmarks`] is the smallest world with landmarks, a plain list; [`Room`] is the
 //! smallest one with walls, a rectangle with pillars whose distances are exact. Around any world
-//! with walls, [`Glazed`] puts window panes and mirrors.
+//! with walls, [`Glazed`] puts window panes and mirrors, and [`Extruded`] gives them a height.
 //!
 //! ```
 //! use loc_sensors::world::{RangeWorld, Room};
@@ -16,10 +16,12 @@
 mod landmarks;
 mod pane;
 mod room;
+mod walls;
 
 pub use landmarks::Landmarks;
 pub use pane::{Glazed, Pane, Surface};
 pub use room::{Pillar, Room};
+pub use walls::{Extruded, Rgb, WallHit, WallWorld};
 
 use nalgebra::Point2;
 

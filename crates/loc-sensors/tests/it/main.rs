@@ -5,5 +5,6 @@ mod features;
 mod landmark_camera;
 mod laser;
 mod laser_scan;
+mod rgbd;
 mod wheel;
 mod world;
