@@ -2,6 +2,7 @@
 
 mod check;
 pub mod features;
+pub mod gnss;
 pub mod landmark_camera;
 pub mod laser;
 pub mod rgbd;

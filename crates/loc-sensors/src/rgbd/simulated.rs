@@ -19,6 +19,8 @@ pub struct DepthCamera {
     pub mounting: Pose2,
     /// Its height above the floor \[m\].
     pub height: f64,
+    /// How far colours are seen \[m\].
+    pub sight: f64,
     /// Its data sheet.
     pub spec: DepthCameraSpec,
 }
@@ -36,11 +38,12 @@ impl DepthCamera {
     /// Checks every value.
     ///
     /// # Errors
-    /// [`crate::Error::OutOfRange`] for a mounting that is not finite, a height that is not
-    /// positive, and those of [`DepthCameraSpec::check`].
+    /// [`crate::Error::OutOfRange`] for a mounting that is not finite, a height or sight
+    /// that is not positive, and those of [`DepthCameraSpec::check`].
     pub fn check(&self) -> Result<()> {
         finite_pose("mounting of an RGB-D camera", self.mounting)?;
         positive("height of an RGB-D camera [m]", self.height)?;
+        positive("how far an RGB-D camera sees colours [m]", self.sight)?;
         self.spec.check()
     }
 
@@ -79,7 +82,8 @@ impl DepthCamera {
         pose: Pose2,
         row_slopes: &[f64],
     ) -> Vec<Column> {
-        let reach = self.spec.range_max + 5.0 * self.spec.sigma_at(self.spec.range_max);
+        let depths = self.spec.range_max + 5.0 * self.spec.sigma_at(self.spec.range_max);
+        let reach = depths.max(self.sight);
         let view = View { pose: pose * self.mounting, height: self.height, reach, row_slopes };
         self.spec.column_slopes().into_iter().map(|slope| view.column(world, slope)).collect()
     }
@@ -106,8 +110,13 @@ impl DepthCamera {
 }
 
 impl Default for DepthCamera {
-    /// An Xtion PRO in the middle of the robot, 0.5 m above the floor.
+    /// An Xtion PRO in the middle of the robot, 0.5 m above the floor; colours up to 20 m.
     fn default() -> Self {
-        DepthCamera { mounting: Pose2::IDENTITY, height: 0.5, spec: DepthCameraSpec::xtion_pro() }
+        DepthCamera {
+            mounting: Pose2::IDENTITY,
+            height: 0.5,
+            sight: 20.0,
+            spec: DepthCameraSpec::xtion_pro(),
+        }
     }
 }

@@ -20,7 +20,7 @@ pub struct VirtualScan {
     /// Angle from one beam to the next \[rad\].
     pub angle_increment: f64,
     /// Which of a beam's points counts: 0 the nearest, safe for obstacles but too short by some
-    /// standard deviations of the noise, 0.5 the median, right for walls.
+    /// standard deviations of the noise; 0.5 the mean of the middle half, right for walls.
     pub quantile: f64,
 }
 
@@ -85,13 +85,17 @@ impl VirtualScan {
         if ranges.is_empty() {
             return f64::NAN;
         }
-        let rank = (self.quantile * (ranges.len() - 1) as f64).round() as usize;
-        *ranges.select_nth_unstable_by(rank, f64::total_cmp).1
+        ranges.sort_unstable_by(f64::total_cmp);
+        // Depths come in steps; the mean about the quantile finds the place between two of them.
+        let half_width = self.quantile.min(1.0 - self.quantile).min(0.25);
+        let rank = |share: f64| (share * (ranges.len() - 1) as f64).round() as usize;
+        let middle = &ranges[rank(self.quantile - half_width)..=rank(self.quantile + half_width)];
+        middle.iter().sum::<f64>() / middle.len() as f64
     }
 }
 
 impl Default for VirtualScan {
-    /// The median of the points from 10 cm to 1 m above the floor, every quarter of a degree.
+    /// The middle of the points from 10 cm to 1 m above the floor, every quarter of a degree.
     fn default() -> Self {
         VirtualScan {
             lower: 0.1,

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
 mod features;
+mod gnss;
 mod landmark_camera;
 mod laser;
 mod laser_scan;
