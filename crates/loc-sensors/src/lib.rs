@@ -1,6 +1,11 @@
 #![doc = include_str!("../README.md")]
 
+mod check;
+pub mod features;
+pub mod gnss;
 pub mod landmark_camera;
+pub mod laser;
+pub mod rgbd;
 pub mod wheel;
 pub mod world;
 

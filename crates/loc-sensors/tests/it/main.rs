@@ -1,5 +1,11 @@
 //! Tests of `loc-sensors` through its public face, one module per topic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
+mod features;
+mod gnss;
 mod landmark_camera;
+mod laser;
+mod laser_scan;
+mod rgbd;
 mod wheel;
+mod world;

@@ -1,7 +1,27 @@
 //! What simulated sensors see of a world.
 //!
 //! A sensor never knows which map it stands in: it asks through these traits, so any map can be
-//! its world. [`Landmarks`] is the smallest such world, a plain list.
+//! its world. [`Landmarks`] is the smallest world with landmarks, a plain list; [`Room`] is the
+//! smallest one with walls, a rectangle with pillars whose distances are exact. Around any world
+//! with walls, [`Glazed`] puts window panes and mirrors, and [`Extruded`] gives them a height.
+//!
+//! ```
+//! use loc_sensors::world::{RangeWorld, Room};
+//! use nalgebra::Point2;
+//! let room = Room::new([0.0, 0.0], [4.0, 3.0])?;
+//! assert_eq!(room.cast(&Point2::new(1.0, 1.0), 0.0, 10.0), Some(3.0));
+//! # Ok::<(), loc_core::Error>(())
+//! ```
+
+mod landmarks;
+mod pane;
+mod room;
+mod walls;
+
+pub use landmarks::Landmarks;
+pub use pane::{Glazed, Pane, Surface};
+pub use room::{Pillar, Room};
+pub use walls::{Extruded, Rgb, WallHit, WallWorld};
 
 use nalgebra::Point2;
 
@@ -38,29 +58,31 @@ pub trait RangeWorld {
             *range = self.cast(origin, direction, max_range).unwrap_or(f64::INFINITY);
         }
     }
-}
 
-/// A list of numbered landmarks.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Landmarks(Vec<(u32, Point2<f64>)>);
-
-impl<const K: usize> From<[(u32, [f64; 2]); K]> for Landmarks {
-    fn from(landmarks: [(u32, [f64; 2]); K]) -> Self {
-        Landmarks(landmarks.into_iter().map(|(id, xy)| (id, Point2::from(xy))).collect())
+    /// Glass and mirrors, which [`cast`](RangeWorld::cast) does not see: light passes them or
+    /// turns on them. A world has none unless it says so.
+    fn panes(&self) -> &[Pane] {
+        &[]
     }
 }
 
-impl LandmarkWorld for Landmarks {
-    fn visit_landmarks(
+impl<W: RangeWorld + ?Sized> RangeWorld for &W {
+    fn cast(&self, origin: &Point2<f64>, direction: f64, max_range: f64) -> Option<f64> {
+        (**self).cast(origin, direction, max_range)
+    }
+
+    fn cast_fan(
         &self,
-        center: &Point2<f64>,
-        radius: f64,
-        visit: &mut dyn FnMut(u32, Point2<f64>),
+        origin: &Point2<f64>,
+        first: f64,
+        increment: f64,
+        max_range: f64,
+        ranges: &mut [f64],
     ) {
-        for (id, position) in &self.0 {
-            if nalgebra::distance(center, position) <= radius {
-                visit(*id, *position);
-            }
-        }
+        (**self).cast_fan(origin, first, increment, max_range, ranges);
+    }
+
+    fn panes(&self) -> &[Pane] {
+        (**self).panes()
     }
 }

@@ -1,0 +1,46 @@
+//! Checks that several sensors share.
+
+use crate::{Error, Result};
+use loc_core::Pose2;
+use loc_core::error::{finite, non_negative};
+
+/// Checks `found` by a predicate; `expected` says in words what it allows.
+pub(crate) fn in_range(
+    what: &'static str,
+    expected: &'static str,
+    found: f64,
+    allowed: impl Fn(f64) -> bool,
+) -> Result<f64> {
+    if allowed(found) { Ok(found) } else { Err(Error::OutOfRange { what, expected, found }) }
+}
+
+/// Checks that a count lies in 1..=`most`, in words `expected`.
+pub(crate) fn count(
+    what: &'static str,
+    expected: &'static str,
+    most: usize,
+    found: usize,
+) -> Result<usize> {
+    if (1..=most).contains(&found) {
+        Ok(found)
+    } else {
+        Err(Error::Length { what, expected, found })
+    }
+}
+
+/// Checks that `min` and `max` are finite, `min` is not negative, and `max` lies above it.
+pub(crate) fn reach(min: f64, max: f64) -> Result<()> {
+    non_negative("nearest range [m]", min)?;
+    in_range("farthest range [m]", "a finite number above the nearest range", max, |max| {
+        max.is_finite() && max > min
+    })?;
+    Ok(())
+}
+
+/// Checks that a pose is finite.
+pub(crate) fn finite_pose(what: &'static str, pose: Pose2) -> Result<()> {
+    for value in [pose.x, pose.y, pose.theta] {
+        finite(what, value)?;
+    }
+    Ok(())
+}

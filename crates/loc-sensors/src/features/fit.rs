@@ -1,0 +1,107 @@
+//! Weighted total least squares.
+//!
+//! A beam errs along its own direction, so that a point is off its wall by the range's error times
+//! the cosine of the angle of incidence, and by the angle's error times range and sine. The fit
+//! weights each point by the inverse of that variance (Pfister, Roumeliotis and Burdick 2003), which
+//! depends on the line itself: a few rounds settle it. The covariance is the inverse of the
+//! information that all points hold on (r, alpha).
+
+use super::{Line, LineExtractor};
+use crate::laser::Beam;
+use loc_core::angle;
+use nalgebra::{Matrix2, Point2};
+use std::f64::consts::PI;
+
+/// A beam with what the fit needs of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Hit {
+    pub(super) beam: Beam,
+    pub(super) point: Point2<f64>,
+    pub(super) range_variance: f64,
+    pub(super) angle_variance: f64,
+    pub(super) wall_variance: f64,
+}
+
+/// No wall is smoother, so that perfect ranges have a weight \[m\].
+const SMOOTHEST: f64 = 1e-6;
+
+impl Hit {
+    pub(super) fn new(beam: Beam, settings: &LineExtractor) -> Self {
+        Hit {
+            beam,
+            point: beam.point(),
+            range_variance: settings.noise.sigma_at(beam.range).powi(2),
+            angle_variance: settings.angle_sigma.powi(2),
+            wall_variance: settings.roughness.max(SMOOTHEST).powi(2),
+        }
+    }
+
+    /// Variance of the distance from a line whose perpendicular points to `alpha` \[m^2\].
+    pub(super) fn variance(&self, alpha: f64) -> f64 {
+        let (sin, cos) = alpha.sin_cos();
+        self.variance_along(cos, sin)
+    }
+
+    /// The same from cosine and sine of `alpha`.
+    fn variance_along(&self, cos: f64, sin: f64) -> f64 {
+        let square = self.beam.range * self.beam.range;
+        let beyond = self.point.x * cos + self.point.y * sin;
+        let cos_squared = beyond * beyond / square;
+        let across = self.angle_variance * (square - beyond * beyond);
+        self.range_variance * cos_squared + across + self.wall_variance
+    }
+}
+
+/// Rounds of reweighting; three change the third digit of a standard deviation no more.
+const ROUNDS: usize = 3;
+
+/// The line that fits best; `None` for fewer than two points, or points in one place.
+pub(super) fn fit(hits: &[Hit]) -> Option<Line> {
+    let (mut r, mut alpha) = weighted(hits, |_| 1.0)?;
+    for _ in 0..ROUNDS {
+        let (sin, cos) = alpha.sin_cos();
+        (r, alpha) = weighted(hits, |hit| 1.0 / hit.variance_along(cos, sin))?;
+    }
+    if r < 0.0 {
+        (r, alpha) = (-r, alpha + PI);
+    }
+    let covariance = covariance(hits, alpha)?;
+    let (first, last) = (hits.first()?.point, hits.last()?.point);
+    let alpha = angle::wrap(alpha);
+    let line = Line { r, alpha, covariance, start: first, end: last, points: hits.len() };
+    Some(Line { start: line.foot(&first), end: line.foot(&last), ..line })
+}
+
+/// (r, alpha) of the line with the least sum of weighted squared distances: it passes through the
+/// weighted mean, along the longer axis of the scatter.
+fn weighted(hits: &[Hit], weight: impl Fn(&Hit) -> f64) -> Option<(f64, f64)> {
+    let (mut total, mut x, mut y) = (0.0, 0.0, 0.0);
+    for hit in hits {
+        let w = weight(hit);
+        (total, x, y) = (total + w, x + w * hit.point.x, y + w * hit.point.y);
+    }
+    let (x, y) = (x / total, y / total);
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for hit in hits {
+        let (w, dx, dy) = (weight(hit), hit.point.x - x, hit.point.y - y);
+        (xx, xy, yy) = (xx + w * dx * dx, xy + w * dx * dy, yy + w * dy * dy);
+    }
+    let alpha = 0.5 * (-2.0 * xy).atan2(yy - xx);
+    let (sin, cos) = alpha.sin_cos();
+    let spread = xx + yy;
+    (hits.len() >= 2 && spread > 0.0 && spread.is_finite()).then_some((x * cos + y * sin, alpha))
+}
+
+/// Inverse of the information about (r, alpha).
+fn covariance(hits: &[Hit], alpha: f64) -> Option<Matrix2<f64>> {
+    let (sin, cos) = alpha.sin_cos();
+    let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
+    for hit in hits {
+        // The distance from the line changes by -1 with r, and by the place along it with alpha.
+        let (w, along) =
+            (1.0 / hit.variance_along(cos, sin), hit.point.y * cos - hit.point.x * sin);
+        (a, b, c) = (a + w, b - w * along, c + w * along * along);
+    }
+    let determinant = a * c - b * b;
+    (determinant > 1e-12 * a * c).then(|| Matrix2::new(c, -b, -b, a) / determinant)
+}
