@@ -13,6 +13,14 @@ pub enum Error {
         /// The number.
         id: u32,
     },
+    /// A line whose ends are one point.
+    #[error("line at ({x} m, {y} m): expected two different ends, got the same one twice")]
+    LineWithoutLength {
+        /// Position along x \[m\].
+        x: f64,
+        /// Position along y \[m\].
+        y: f64,
+    },
 }
 
 /// Shorthand for results of this crate.

@@ -1,7 +1,12 @@
 #![doc = include_str!("../README.md")]
 
+pub mod bounds;
 mod error;
 pub mod landmark;
+pub mod line;
+mod tree;
 
+pub use bounds::Bounds;
 pub use error::{Error, Result};
 pub use landmark::{Landmark, LandmarkMap};
+pub use line::{LineMap, LineSegment};
