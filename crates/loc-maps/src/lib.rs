@@ -4,9 +4,11 @@ pub mod bounds;
 mod error;
 pub mod landmark;
 pub mod line;
+pub mod point;
 mod tree;
 
 pub use bounds::Bounds;
 pub use error::{Error, Result};
 pub use landmark::{Landmark, LandmarkMap};
 pub use line::{LineMap, LineSegment};
+pub use point::PointMap;

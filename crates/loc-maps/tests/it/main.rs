@@ -3,6 +3,7 @@
 
 mod landmark;
 mod line;
+mod point;
 
 /// A folder of `LOC_DATA_DIR`, where that is set; else a test says that it is skipped.
 pub(crate) fn recordings(folder: &str) -> Option<std::path::PathBuf> {
