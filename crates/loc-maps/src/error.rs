@@ -1,5 +1,7 @@
 //! The one error type of this crate.
 
+use crate::grid::Cell;
+
 /// What went wrong with a map.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -12,6 +14,34 @@ pub enum Error {
     DuplicateLandmark {
         /// The number.
         id: u32,
+    },
+    /// A grid has more or fewer values than cells.
+    #[error("grid: expected {width} x {height} values, got {found}")]
+    CellCount {
+        /// Number of columns.
+        width: usize,
+        /// Number of rows.
+        height: usize,
+        /// The number of values that came.
+        found: usize,
+    },
+    /// A cell's value is none of the occupancy message.
+    #[error("cell ({}, {}): expected a value of -1 to 100, got {found}", cell.column, cell.row)]
+    CellValue {
+        /// The cell.
+        cell: Cell,
+        /// The value that came.
+        found: i8,
+    },
+    /// A cell lies outside the grid.
+    #[error("cell ({}, {}): expected one of {width} x {height} cells", cell.column, cell.row)]
+    OutsideGrid {
+        /// The cell.
+        cell: Cell,
+        /// Number of columns.
+        width: usize,
+        /// Number of rows.
+        height: usize,
     },
 }
 
