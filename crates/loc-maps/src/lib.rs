@@ -2,13 +2,17 @@
 
 pub mod bounds;
 mod error;
+pub mod grid;
 pub mod landmark;
 pub mod line;
 pub mod point;
+pub mod topological;
 mod tree;
 
 pub use bounds::Bounds;
 pub use error::{Error, Result};
+pub use grid::OccupancyGrid;
 pub use landmark::{Landmark, LandmarkMap};
 pub use line::{LineMap, LineSegment};
 pub use point::PointMap;
+pub use topological::TopologicalMap;

@@ -1,9 +1,11 @@
 //! Tests of `loc-maps` through its public face, one module per topic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
+mod grid;
 mod landmark;
 mod line;
 mod point;
+mod topological;
 
 /// A folder of `LOC_DATA_DIR`, where that is set; else a test says that it is skipped.
 pub(crate) fn recordings(folder: &str) -> Option<std::path::PathBuf> {
