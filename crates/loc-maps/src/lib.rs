@@ -1,10 +1,12 @@
 #![doc = include_str!("../README.md")]
 
 pub mod bounds;
+pub mod convert;
 mod error;
 pub mod grid;
 pub mod landmark;
 pub mod line;
+pub mod picture;
 pub mod point;
 pub mod topological;
 mod tree;
@@ -14,5 +16,6 @@ pub use error::{Error, Result};
 pub use grid::OccupancyGrid;
 pub use landmark::{Landmark, LandmarkMap};
 pub use line::{LineMap, LineSegment};
+pub use picture::MapPicture;
 pub use point::PointMap;
 pub use topological::TopologicalMap;

@@ -115,6 +115,10 @@ impl PointMap {
         self.tree.bounds()
     }
 
+    pub(crate) fn tree(&self) -> &BoxTree<Point2<f64>> {
+        &self.tree
+    }
+
     /// The point nearest to a place \[m\]; `None` in an empty map and for places that are not
     /// finite.
     pub fn nearest(&self, place: &Point2<f64>) -> Option<NearestPoint> {
