@@ -3,3 +3,14 @@
 
 mod grid;
 mod landmark;
+mod map_server;
+mod real_maps;
+
+/// A folder of real recordings under `LOC_DATA_DIR`, or `None`, said aloud, where that is unset.
+fn data(folder: &str) -> Option<std::path::PathBuf> {
+    let root = std::env::var_os("LOC_DATA_DIR");
+    if root.is_none() {
+        println!("skipped: LOC_DATA_DIR is not set");
+    }
+    root.map(|root| std::path::Path::new(&root).join(folder))
+}
