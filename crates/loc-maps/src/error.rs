@@ -1,6 +1,7 @@
 //! The one error type of this crate.
 
 use crate::grid::Cell;
+use std::path::PathBuf;
 
 /// What went wrong with a map.
 #[derive(Debug, thiserror::Error)]
@@ -86,6 +87,28 @@ pub enum Error {
         width: usize,
         /// Number of rows.
         height: usize,
+    },
+    /// A YAML file cannot be understood.
+    #[error("{}:{line}: {message}", file.display())]
+    Yaml {
+        /// The file.
+        file: PathBuf,
+        /// Line number, counted from 1; 0 where it is not known.
+        line: u64,
+        /// What the reader said.
+        message: String,
+    },
+    /// A file of a map does not hold what it must.
+    #[error("{}: {field}: expected {expected}, got {found}", file.display())]
+    MapFile {
+        /// The file, YAML or image.
+        file: PathBuf,
+        /// The field of it.
+        field: &'static str,
+        /// What belongs there.
+        expected: String,
+        /// What stands there.
+        found: String,
     },
 }
 

@@ -65,7 +65,7 @@ pub(super) fn grow(
     let mut members = Vec::new();
     for _ in 0..FITS {
         let before = members.len();
-        members = gather(points, growth, &axis, &start, reach, used);
+        members = gather(points, growth, &axis, &start, reach);
         let near: Vec<Point2<f64>> = members.iter().map(|&(k, _)| points.points()[k]).collect();
         if near.len() < growth.few {
             break;
@@ -79,9 +79,10 @@ pub(super) fn grow(
         reach = if members.len() == before { f64::INFINITY } else { 2.0 * reach };
     }
     used[seed] = true;
-    members.sort_by(|a, b| a.1.total_cmp(&b.1));
     let along: Vec<f64> = members.iter().map(|member| member.1).collect();
-    if !growth.accepts(&along) {
+    // Lines share the cells of their corners, but two do not share a wall.
+    let fresh = members.iter().filter(|member| !used[member.0]).count();
+    if 2 * fresh < members.len() || !growth.accepts(&along) {
         return None;
     }
     let line = between(points, &axis, &members)?;
@@ -89,7 +90,7 @@ pub(super) fn grow(
     Some(line)
 }
 
-/// The unused points beside an axis that are joined to the start without a long gap, with their
+/// The points beside an axis that are joined to the start without a long gap, with their
 /// places along it, at most `reach` away.
 fn gather(
     points: &PointMap,
@@ -97,7 +98,6 @@ fn gather(
     axis: &Axis,
     start: &Point2<f64>,
     reach: f64,
-    used: &[bool],
 ) -> Vec<(usize, f64)> {
     let (middle, along) = axis;
     let origin = (start - middle).dot(along);
@@ -107,8 +107,7 @@ fn gather(
         |index, point| {
             let to = point - middle;
             let far = to.dot(along) - origin;
-            let near = to.perp(along).abs() <= growth.tolerance && far.abs() <= reach;
-            if near && !used[index] {
+            if to.perp(along).abs() <= growth.tolerance && far.abs() <= reach {
                 beside.push((index, far));
             }
         },

@@ -18,6 +18,8 @@
 //! ```
 
 mod frame;
+#[cfg(feature = "map-server")]
+pub mod io;
 mod occupancy;
 
 pub use frame::{Cell, GridFrame, MAX_CELLS};

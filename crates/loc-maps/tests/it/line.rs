@@ -245,7 +245,7 @@ fn bad_lines_are_refused() {
 
 #[test]
 fn real_buildings_load() {
-    let Some(folder) = crate::recordings("line_maps") else { return };
+    let Some(folder) = crate::data("line_maps") else { return };
     for (name, count) in [("AHG2", 1270), ("AHGHallway", 39), ("GHC7", 2171)] {
         let map = LineMap::read_csv(folder.join(format!("{name}.vectormap.txt"))).unwrap();
         assert_eq!(map.len(), count);

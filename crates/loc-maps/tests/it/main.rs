@@ -1,17 +1,21 @@
 //! Tests of `loc-maps` through its public face, one module per topic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
+mod convert;
 mod grid;
 mod landmark;
 mod line;
+mod map_server;
+mod picture;
 mod point;
+mod real_maps;
 mod topological;
 
-/// A folder of `LOC_DATA_DIR`, where that is set; else a test says that it is skipped.
-pub(crate) fn recordings(folder: &str) -> Option<std::path::PathBuf> {
-    let set = std::env::var_os("LOC_DATA_DIR").map(|data| std::path::Path::new(&data).join(folder));
-    if set.is_none() {
-        println!("skipped: LOC_DATA_DIR is not set, and {folder} is read from there");
+/// A folder of real recordings under `LOC_DATA_DIR`, or `None`, said aloud, where that is unset.
+fn data(folder: &str) -> Option<std::path::PathBuf> {
+    let root = std::env::var_os("LOC_DATA_DIR");
+    if root.is_none() {
+        println!("skipped: LOC_DATA_DIR is not set");
     }
-    set
+    root.map(|root| std::path::Path::new(&root).join(folder))
 }
