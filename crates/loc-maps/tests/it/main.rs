@@ -1,6 +1,7 @@
 //! Tests of `loc-maps` through its public face, one module per topic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
+mod distance;
 mod grid;
 mod landmark;
 mod map_server;
