@@ -2,6 +2,7 @@
 
 pub mod bounds;
 pub mod convert;
+pub mod distance;
 mod error;
 pub mod grid;
 pub mod landmark;
@@ -12,6 +13,7 @@ pub mod topological;
 mod tree;
 
 pub use bounds::Bounds;
+pub use distance::DistanceMap;
 pub use error::{Error, Result};
 pub use grid::OccupancyGrid;
 pub use landmark::{Landmark, LandmarkMap};
