@@ -1,6 +1,7 @@
 //! The cells of a grid as shapes: rectangles of equal cells, as few as are easily found.
 
 use super::n;
+use crate::Bounds;
 use crate::grid::{Occupancy, OccupancyGrid};
 use std::fmt::Write as _;
 
@@ -25,6 +26,19 @@ pub(super) fn draw(grid: &OccupancyGrid) -> String {
          <path fill=\"#cdcdcd\" d=\"M0 0h{width}v{height}h-{width}z\"/>\n\
          <path fill=\"#fff\" d=\"{free}\"/>\n<path fill=\"#000\" d=\"{occupied}\"/>\n</g>\n"
     )
+}
+
+/// The box around all cells of which something is known.
+pub(super) fn known(grid: &OccupancyGrid) -> Option<Bounds> {
+    let known = |value: &i8| Occupancy::of(*value) != Occupancy::Unknown;
+    let corners = (0..grid.height()).filter_map(|row| {
+        let values = grid.row(row);
+        let (first, last) = (values.iter().position(known)?, values.iter().rposition(known)?);
+        let corner = |column: usize, row: usize| grid.frame().to_map(column as f64, row as f64);
+        let ends = [corner(first, row), corner(last + 1, row)];
+        Some(ends.into_iter().chain([corner(first, row + 1), corner(last + 1, row + 1)]))
+    });
+    Bounds::around(corners.flatten())
 }
 
 /// Rectangles that together are the cells of a class: runs of a row that repeat in the rows above

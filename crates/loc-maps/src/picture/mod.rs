@@ -38,10 +38,10 @@ impl MapPicture {
         MapPicture::default()
     }
 
-    /// Adds an occupancy grid.
+    /// Adds an occupancy grid; the picture shows the part of it that is known.
     #[must_use]
     pub fn grid(mut self, grid: &OccupancyGrid) -> Self {
-        self.cover(Bounds::around(grid.frame().corners()));
+        self.cover(cells::known(grid).or_else(|| Bounds::around(grid.frame().corners())));
         self.layers.push(cells::draw(grid));
         self
     }

@@ -9,25 +9,31 @@ use std::fmt::Write as _;
 pub(super) fn draw(map: &TopologicalMap) -> String {
     // Writing to a string cannot fail.
     let mut text = String::from("<g class=\"places\">\n");
-    for place in map.places().iter().filter(|place| !place.outline.is_empty()) {
+    let mut outlined: Vec<&Place> =
+        map.places().iter().filter(|place| !place.outline.is_empty()).collect();
+    // What lies inside a ring of corridors is drawn over it.
+    outlined.sort_by(|a, b| b.area().total_cmp(&a.area()));
+    for place in outlined {
         let corners: Vec<String> = place.outline.iter().map(|p| xy(p.x, p.y)).collect();
         let (fill, line) = (colour(place.kind), pixels(1.5));
         let path = corners.join("L");
         let _ = writeln!(
             text,
-            "<path fill=\"{fill}\" fill-opacity=\"0.3\" stroke=\"{fill}\" stroke-width=\"{line}\" \
+            "<path fill=\"{fill}\" fill-opacity=\"0.25\" stroke=\"{fill}\" stroke-width=\"{line}\" \
              d=\"M{path}z\"/>"
         );
     }
     let mut edges = String::new();
     for edge in map.edges() {
         let [a, b] = edge.between.map(|place| map.places()[place].position);
-        let _ = write!(edges, "M{}L{}", xy(a.x, a.y), xy(b.x, b.y));
+        let way = [a].into_iter().chain(edge.via.iter().copied()).chain([b]);
+        let way: Vec<String> = way.map(|point| xy(point.x, point.y)).collect();
+        let _ = write!(edges, "M{}", way.join("L"));
     }
     let line = pixels(2.0);
     let _ = writeln!(
         text,
-        "<path fill=\"none\" stroke=\"#333\" stroke-width=\"{line}\" d=\"{edges}\"/>"
+        "<path fill=\"none\" stroke=\"#333\" stroke-linejoin=\"round\" stroke-width=\"{line}\" d=\"{edges}\"/>"
     );
     for place in map.places() {
         draw_place(&mut text, place);

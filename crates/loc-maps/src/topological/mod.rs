@@ -3,7 +3,7 @@
 //! People do not give coordinates, they say "down the corridor, through the second door". This map
 //! knows places (rooms, corridors, doors) and which of them are neighbours, and finds the shortest
 //! way from one to another. It is drawn by hand in a TOML file, or extracted from an occupancy
-//! grid with extract, which takes narrow passages for doors.
+//! grid by [`TopologicalMap::from_grid`], which takes narrow passages for doors.
 //!
 //! ```
 //! # #[cfg(feature = "serde")] {
@@ -39,11 +39,13 @@
 //! # Ok::<(), loc_maps::Error>(())
 //! ```
 
+mod extract;
 mod place;
 mod route;
 #[cfg(feature = "serde")]
 mod toml_file;
 
+pub use extract::ExtractSettings;
 pub use place::{Edge, Place, PlaceKind};
 pub use route::Route;
 
@@ -108,12 +110,16 @@ impl TopologicalMap {
         self.neighbours.get(place).map_or(&[], Vec::as_slice)
     }
 
-    /// The places whose outline holds a point \[m\], in order.
+    /// The places whose outline holds a point \[m\], smallest first: a room inside a ring of
+    /// corridors before the ring.
     pub fn places_at(&self, point: &Point2<f64>) -> impl Iterator<Item = usize> {
-        let inside = |place: &Place| place.contains(point);
-        let found: Vec<usize> =
-            (0..self.places.len()).filter(|&k| inside(&self.places[k])).collect();
-        found.into_iter()
+        let places = self.places.iter().enumerate();
+        let mut found: Vec<(usize, f64)> = places
+            .filter(|(_, place)| place.contains(point))
+            .map(|(index, place)| (index, place.area()))
+            .collect();
+        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        found.into_iter().map(|(index, _)| index)
     }
 
     /// The place whose position is nearest to a point \[m\], with its distance \[m\].
@@ -157,6 +163,9 @@ impl TopologicalMap {
             return Err(Error::UselessEdge { edge: number, from, to });
         }
         non_negative("length of an edge [m]", edge.length)?;
+        for value in edge.via.iter().flat_map(|point| [point.x, point.y]) {
+            coordinate("point on an edge [m]", value)?;
+        }
         self.neighbours[from].push((to, edge.length));
         self.neighbours[to].push((from, edge.length));
         self.edges.push(edge);

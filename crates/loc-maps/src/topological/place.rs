@@ -32,13 +32,29 @@ pub struct Place {
 }
 
 /// Two places that are neighbours.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Edge {
     /// The indices of the two places.
     pub between: [usize; 2],
     /// Length of the way from one to the other \[m\].
     pub length: f64,
+    /// Points on the way from the first to the second \[m\]; none where it is straight.
+    pub via: Vec<Point2<f64>>,
+}
+
+impl Edge {
+    /// An edge between two places by their indices, with the length of the way \[m\].
+    pub fn new(from: usize, to: usize, length: f64) -> Self {
+        Edge { between: [from, to], length, via: Vec::new() }
+    }
+}
+
+/// Length of a way from point to point \[m\].
+pub(super) fn way_length(way: impl IntoIterator<Item = Point2<f64>>) -> f64 {
+    let mut way = way.into_iter();
+    let Some(mut at) = way.next() else { return 0.0 };
+    way.map(|next| nalgebra::distance(&std::mem::replace(&mut at, next), &next)).sum()
 }
 
 impl PlaceKind {
@@ -57,6 +73,13 @@ impl Place {
     pub fn new(name: impl Into<String>, kind: PlaceKind, x: f64, y: f64) -> Self {
         let position = Point2::new(x, y);
         Place { name: name.into(), kind, position, width: None, outline: Vec::new() }
+    }
+
+    /// Area inside the outline \[m^2\].
+    pub fn area(&self) -> f64 {
+        let next = self.outline.iter().cycle().skip(1);
+        let twice: f64 = self.outline.iter().zip(next).map(|(a, b)| a.coords.perp(&b.coords)).sum();
+        0.5 * twice.abs()
     }
 
     /// Whether a point lies inside the outline (counting how often a ray crosses it).

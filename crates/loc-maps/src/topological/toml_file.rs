@@ -1,5 +1,6 @@
 //! Topological maps as TOML files.
 
+use super::place::way_length;
 use super::{Edge, Place, PlaceKind, TopologicalMap};
 use crate::bounds::coordinate;
 use crate::{Error, Result};
@@ -36,6 +37,8 @@ struct PlaceEntry {
 struct EdgeEntry {
     between: Spanned<[Spanned<String>; 2]>,
     length: Option<Spanned<f64>>,
+    #[serde(default)]
+    via: Vec<Spanned<[f64; 2]>>,
 }
 
 /// A text with the name of its file, for errors.
@@ -46,7 +49,7 @@ struct Source<'a> {
 
 impl TopologicalMap {
     /// Reads a TOML file of `[[place]]` (name, kind, position, and if wanted width and outline)
-    /// and `[[edge]]` (between two names, and if wanted length); lengths in \[m\].
+    /// and `[[edge]]` (between two names, and if wanted length and points it leads via); lengths in \[m\].
     ///
     /// # Errors
     /// [`Error::Toml`] with the line of whatever cannot be understood, of a second place of a
@@ -81,9 +84,8 @@ impl TopologicalMap {
             let _ = write_place(&mut text, place);
         }
         for edge in self.edges() {
-            let [from, to] = edge.between.map(|place| quoted(&self.places()[place].name));
-            let length = edge.length;
-            let _ = write!(text, "[[edge]]\nbetween = [{from}, {to}]\nlength = {length:?}\n\n");
+            let names = edge.between.map(|place| quoted(&self.places()[place].name));
+            let _ = write_edge(&mut text, edge, &names);
         }
         text
     }
@@ -98,10 +100,22 @@ fn write_place(text: &mut String, place: &Place) -> std::fmt::Result {
         writeln!(text, "width = {width:?}")?;
     }
     if !place.outline.is_empty() {
-        let corners = place.outline.iter().map(|p| format!("[{:?}, {:?}]", p.x, p.y));
-        writeln!(text, "outline = [{}]", corners.collect::<Vec<_>>().join(", "))?;
+        writeln!(text, "outline = {}", list(&place.outline))?;
     }
     writeln!(text)
+}
+
+fn write_edge(text: &mut String, edge: &Edge, [from, to]: &[String; 2]) -> std::fmt::Result {
+    writeln!(text, "[[edge]]\nbetween = [{from}, {to}]\nlength = {:?}", edge.length)?;
+    if !edge.via.is_empty() {
+        writeln!(text, "via = {}", list(&edge.via))?;
+    }
+    writeln!(text)
+}
+
+fn list(points: &[Point2<f64>]) -> String {
+    let points = points.iter().map(|p| format!("[{:?}, {:?}]", p.x, p.y));
+    format!("[{}]", points.collect::<Vec<_>>().join(", "))
 }
 
 fn quoted(text: &str) -> String {
@@ -182,9 +196,13 @@ impl Source<'_> {
                 let message = format!("{expected}, got `{from}` and `{to}`");
                 return Err(self.error(entry.between.span().start, message));
             }
-            let straight = nalgebra::distance(&places[a].position, &places[b].position);
+            let via = entry.via.iter().map(|point| self.point("via [m]", point));
+            let via: Vec<Point2<f64>> = via.collect::<Result<_>>()?;
+            let ends = [a, b].map(|place| places[place].position);
+            let way = [ends[0]].into_iter().chain(via.iter().copied()).chain([ends[1]]);
             let length = self.non_negative("length [m]", entry.length.as_ref())?;
-            edges.push(Edge { between: [a, b], length: length.unwrap_or(straight) });
+            let length = length.unwrap_or_else(|| way_length(way));
+            edges.push(Edge { between: [a, b], length, via });
         }
         Ok(edges)
     }

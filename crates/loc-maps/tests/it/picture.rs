@@ -30,7 +30,7 @@ fn all_maps_are_drawn_one_over_the_other() {
     let mut room = Place::new("R&D <1> \u{1}7\u{1}", PlaceKind::Room, 1.0, 1.0);
     room.outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0]].map(Into::into).into();
     let places = [room, Place::new("door", PlaceKind::Door, 2.0, 1.0)];
-    let places = TopologicalMap::new(places, [Edge { between: [0, 1], length: 1.0 }]).unwrap();
+    let places = TopologicalMap::new(places, [Edge::new(0, 1, 1.0)]).unwrap();
     let picture = MapPicture::new().grid(&grid()).lines(&lines).points(&points);
     let svg = picture.landmarks(&landmarks).places(&places).to_svg();
     for part in [

@@ -33,7 +33,7 @@ fn toml_is_read_and_written_to_the_bit() {
     let map = TopologicalMap::parse_toml("flat.toml", FLAT).unwrap();
     assert_eq!((map.places().len(), map.edges().len()), (3, 2));
     assert_eq!(map.places()[1].width, Some(0.9));
-    assert_eq!(map.edges()[0], Edge { between: [0, 1], length: 2.0 });
+    assert_eq!(map.edges()[0], Edge::new(0, 1, 2.0));
     assert_eq!(map.neighbours(1), [(0, 2.0), (2, 3.5)]);
     assert!(map.neighbours(9).is_empty());
     assert_eq!(map.find("hall"), Some(2));
@@ -94,8 +94,8 @@ fn bad_toml_says_where_and_why() {
 #[test]
 fn graphs_that_cannot_be_are_refused() {
     let places = || ["a", "b"].map(|name| Place::new(name, PlaceKind::Room, 0.0, 0.0));
-    let edge = |from, to, length| Edge { between: [from, to], length };
-    let new = |edges: &[Edge]| TopologicalMap::new(places(), edges.iter().copied());
+    let edge = Edge::new;
+    let new = |edges: &[Edge]| TopologicalMap::new(places(), edges.iter().cloned());
     assert!(new(&[edge(0, 1, 1.0)]).is_ok());
     assert!(matches!(new(&[edge(0, 2, 1.0)]), Err(Error::UnknownPlace { found: 2, .. })));
     assert!(matches!(new(&[edge(1, 1, 1.0)]), Err(Error::UselessEdge { .. })));
@@ -123,13 +123,13 @@ proptest! {
         let edges: Vec<Edge> = edges
             .into_iter()
             .filter(|(a, b, _)| a < b && *b < count && joined.insert((*a, *b)))
-            .map(|(a, b, length)| Edge { between: [a, b], length })
+            .map(|(a, b, length)| Edge::new(a, b, length))
             .collect();
-        let map = TopologicalMap::new(places, edges.iter().copied()).unwrap();
+        let map = TopologicalMap::new(places, edges.iter().cloned()).unwrap();
         let mut expected = vec![f64::INFINITY; count];
         expected[0] = 0.0;
         for _ in 0..count {
-            for Edge { between: [a, b], length } in &edges {
+            for Edge { between: [a, b], length, .. } in &edges {
                 expected[*b] = expected[*b].min(expected[*a] + length);
                 expected[*a] = expected[*a].min(expected[*b] + length);
             }
