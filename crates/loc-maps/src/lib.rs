@@ -1,7 +1,23 @@
 #![doc = include_str!("../README.md")]
 
+pub mod bounds;
+pub mod convert;
+pub mod distance;
 mod error;
+pub mod grid;
 pub mod landmark;
+pub mod line;
+pub mod picture;
+pub mod point;
+pub mod topological;
+mod tree;
 
+pub use bounds::Bounds;
+pub use distance::DistanceMap;
 pub use error::{Error, Result};
+pub use grid::OccupancyGrid;
 pub use landmark::{Landmark, LandmarkMap};
+pub use line::{LineMap, LineSegment};
+pub use picture::MapPicture;
+pub use point::PointMap;
+pub use topological::TopologicalMap;

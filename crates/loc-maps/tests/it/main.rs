@@ -1,4 +1,22 @@
 //! Tests of `loc-maps` through its public face, one module per topic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
+mod convert;
+mod distance;
+mod grid;
 mod landmark;
+mod line;
+mod map_server;
+mod picture;
+mod point;
+mod real_maps;
+mod topological;
+
+/// A folder of real recordings under `LOC_DATA_DIR`, or `None`, said aloud, where that is unset.
+fn data(folder: &str) -> Option<std::path::PathBuf> {
+    let root = std::env::var_os("LOC_DATA_DIR");
+    if root.is_none() {
+        println!("skipped: LOC_DATA_DIR is not set");
+    }
+    root.map(|root| std::path::Path::new(&root).join(folder))
+}
