@@ -9,6 +9,7 @@
 //! report.html                all of it on one page
 //! ```
 
+mod backdrop;
 pub mod figures;
 mod folder;
 mod report;
@@ -16,6 +17,7 @@ pub mod svg;
 mod table;
 mod trajectories;
 
+pub use backdrop::backdrop;
 pub use folder::Folder;
 pub use report::report;
 pub use table::{final_beliefs, table};

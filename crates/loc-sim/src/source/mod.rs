@@ -3,6 +3,7 @@
 //! A new log format is one file here that implements [`Source`].
 
 mod calibrated;
+pub mod carmen;
 pub mod drive;
 pub mod mrclam;
 mod noise;
