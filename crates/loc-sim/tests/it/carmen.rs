@@ -11,7 +11,7 @@ const LOG: &str = "# a comment\n\
     ODOM 1 2 0.5 0.1 0.2 0 7.5 host 7.6\n\
     NEFF 12\n\
     FLASER 4 1 2 3 81.9 1.2 2 0.5 1 2 0.5 7.7 host 7.8\n\
-    ROBOTLASER1 0 -1.5708 3.1416 1.5708 20 0.01 0 3 1 2 20 0 1 2 3 4 5 0.6 0 0 0 0 0 7.9 host 8\n\
+    ROBOTLASER1 0 -1.5 3.1416 1.5708 20 0.01 0 3 1 2 20 0 1 2 3 4 5 0.6 0 0 0 0 0 7.9 host 8\n\
     TRUEPOS 1 2 3 4 5 6 8.5 host 8.6\n";
 
 fn parse(text: &str) -> Result<Vec<Message>, String> {
@@ -31,7 +31,7 @@ fn every_message_by_hand() {
     assert_eq!((front.stamp, front.laser.x, front.robot.x), (7.7, 1.2, 1.0));
     let Message::Laser(robot) = &messages[2] else { panic!() };
     assert_eq!(robot.scan.ranges, [1.0, 2.0, f64::INFINITY]);
-    assert_eq!((robot.scan.angle_min, robot.stamp), (-1.5708, 7.9));
+    assert_eq!((robot.scan.angle_min, robot.stamp), (-1.5, 7.9));
     assert_eq!((robot.laser.theta, robot.robot.theta), (3.0, 0.6));
     assert!(matches!(&messages[3], Message::Truth(truth) if truth.stamp == 8.5));
     let mut log = CarmenLog::parse("a.log", Cursor::new(LOG));
