@@ -3,9 +3,11 @@
 mod check;
 pub mod features;
 pub mod gnss;
+pub mod imu;
 pub mod landmark_camera;
 pub mod laser;
 pub mod rgbd;
+pub mod sonar;
 pub mod wheel;
 pub mod world;
 

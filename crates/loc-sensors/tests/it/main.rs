@@ -3,9 +3,11 @@
 
 mod features;
 mod gnss;
+mod imu;
 mod landmark_camera;
 mod laser;
 mod laser_scan;
 mod rgbd;
+mod sonar;
 mod wheel;
 mod world;
