@@ -1,12 +1,13 @@
 //! A full scan of a UST-10LX (1081 beams) with noise in a room with pillars, beside the same scan
 //! written out plainly: one ray and one normal number of Box and Muller for each beam. The rays
-//! alone show what is left for the scanner.
+//! alone show what is left for the scanner. Then the lines in that scan.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use loc_core::random::stream;
 use loc_core::sampling::box_muller;
 use loc_core::{Pose2, Twist2};
+use loc_sensors::features::LineExtractor;
 use loc_sensors::laser::{LaserFaults, LaserScanner, LaserSpec};
 use loc_sensors::world::{RangeWorld, Room};
 use rand::Rng;
@@ -59,6 +60,12 @@ fn scan(c: &mut Criterion) {
         });
     });
     group.finish();
+
+    let seen = scanner.scan(&world, pose, &mut rng);
+    let extractor = LineExtractor::new(spec.noise);
+    c.bench_function("line-extraction/ust-10lx", |bencher| {
+        bencher.iter(|| extractor.extract(black_box(&seen)).expect("a valid scan"));
+    });
 }
 
 criterion_group!(name = benches; config = loc_bench::criterion(); targets = scan);

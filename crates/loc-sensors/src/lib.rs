@@ -1,11 +1,16 @@
 #![doc = include_str!("../README.md")]
 
 mod check;
+pub mod compass;
+pub mod encoder;
 pub mod features;
 pub mod gnss;
+pub mod imu;
 pub mod landmark_camera;
 pub mod laser;
+pub mod radar;
 pub mod rgbd;
+pub mod sonar;
 pub mod wheel;
 pub mod world;
 

@@ -52,7 +52,7 @@ impl LaserScanner {
     ) -> LaserScan {
         let laser = pose * self.mounting;
         let (origin, first) = (laser.position(), laser.theta + self.spec.angle_min);
-        let mut ranges = vec![f64::INFINITY; self.spec.beams];
+        let mut ranges = vec![f64::INFINITY; self.beams()];
         let (step, reach) = (self.spec.angle_increment, self.reach());
         world.cast_fan(&origin, first, step, reach, &mut ranges);
         let glazed = !world.panes().is_empty();
@@ -92,7 +92,12 @@ impl LaserScanner {
             let range = through_panes(world, laser.position(), direction, wall, reach, rng);
             self.report(range, rng)
         };
-        spec.scan((0..spec.beams).map(measure).collect())
+        spec.scan((0..self.beams()).map(measure).collect())
+    }
+
+    /// Number of beams, within reason even where nobody has checked the settings.
+    fn beams(&self) -> usize {
+        self.spec.beams.min(LaserScan::MOST_BEAMS)
     }
 
     /// How far to look: noise may bring what is a little out of range into it.

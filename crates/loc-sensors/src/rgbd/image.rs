@@ -10,7 +10,6 @@ use nalgebra::Point3;
 ///
 /// Kept in `f32`: at 3.5 m that resolves 0.2 um, the camera 35 mm.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DepthImage {
     pub(super) width: usize,
     pub(super) depths: Vec<f32>,
@@ -18,7 +17,6 @@ pub struct DepthImage {
 
 /// Colour of every pixel, each as seen by the pixel of the depth image in the same place.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ColorImage {
     pub(super) width: usize,
     pub(super) colors: Vec<Rgb>,
@@ -70,8 +68,10 @@ impl DepthImage {
     /// Depth in a column, counted from the left, and a row, counted from the top \[m\]; NaN
     /// outside the image.
     pub fn at(&self, column: usize, row: usize) -> f32 {
-        let inside = column < self.width;
-        self.depths.get(row * self.width + column).copied().filter(|_| inside).unwrap_or(f32::NAN)
+        if column >= self.width || row >= self.height() {
+            return f32::NAN;
+        }
+        self.depths[row * self.width + column]
     }
 
     /// The pixels that measured something, as column, row, and place in the camera's frame (x

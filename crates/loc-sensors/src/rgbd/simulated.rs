@@ -56,7 +56,7 @@ impl DepthCamera {
     ) -> Frame {
         let row_slopes = self.spec.row_slopes();
         let mut columns = self.columns(world, pose, &row_slopes);
-        let pixels = self.spec.width * self.spec.height;
+        let pixels = columns.len() * row_slopes.len();
         let (mut depths, mut colors) = (Vec::with_capacity(pixels), Vec::with_capacity(pixels));
         let floor = world.floor_color();
         for (row, slope) in row_slopes.iter().enumerate() {
@@ -71,7 +71,7 @@ impl DepthCamera {
                 colors.push(color);
             }
         }
-        let width = self.spec.width;
+        let width = columns.len();
         Frame { depth: DepthImage { width, depths }, color: ColorImage { width, colors } }
     }
 

@@ -76,7 +76,7 @@ impl DepthCameraSpec {
         depth * depth / self.disparity_depth() * self.noise.rounded_sigma()
     }
 
-    /// For each column, how far left its rays go per metre of depth, from the left edge on.
+    /// For each column, how far to the left its rays go per metre of depth, from the left edge on.
     pub fn column_slopes(&self) -> Vec<f64> {
         slopes(self.width, self.horizontal_fov)
     }
@@ -115,5 +115,7 @@ impl Default for DepthCameraSpec {
 /// Slopes of the middles of `pixels` pixels, positive first.
 fn slopes(pixels: usize, fov: f64) -> Vec<f64> {
     let (half, edge) = (0.5 * pixels as f64, (0.5 * fov).tan());
-    (0..pixels).map(|k| (1.0 - (k as f64 + 0.5) / half) * edge).collect()
+    (0..pixels.min(DepthCameraSpec::MOST_PIXELS))
+        .map(|k| (1.0 - (k as f64 + 0.5) / half) * edge)
+        .collect()
 }

@@ -14,11 +14,13 @@
 //! ```
 
 mod landmarks;
+mod objects;
 mod pane;
 mod room;
 mod walls;
 
 pub use landmarks::Landmarks;
+pub use objects::{MovingObject, ObjectWorld};
 pub use pane::{Glazed, Pane, Surface};
 pub use room::{Pillar, Room};
 pub use walls::{Extruded, Rgb, WallHit, WallWorld};
