@@ -4,8 +4,10 @@ pub mod distance;
 mod error;
 pub mod grid;
 pub mod landmark;
+pub mod likelihood_field;
 
 pub use distance::DistanceMap;
 pub use error::{Error, Result};
 pub use grid::OccupancyGrid;
 pub use landmark::{Landmark, LandmarkMap};
+pub use likelihood_field::LikelihoodField;

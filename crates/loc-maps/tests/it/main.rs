@@ -4,6 +4,7 @@
 mod distance;
 mod grid;
 mod landmark;
+mod likelihood_field;
 mod map_server;
 mod real_maps;
 
