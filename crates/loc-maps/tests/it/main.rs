@@ -6,6 +6,7 @@ mod grid;
 mod landmark;
 mod likelihood_field;
 mod map_server;
+mod raycast;
 mod real_maps;
 
 /// A folder of real recordings under `LOC_DATA_DIR`, or `None`, said aloud, where that is unset.
