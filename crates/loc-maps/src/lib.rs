@@ -11,6 +11,8 @@ pub mod picture;
 pub mod point;
 pub mod topological;
 mod tree;
+pub mod likelihood_field;
+pub mod raycast;
 
 pub use bounds::Bounds;
 pub use distance::DistanceMap;
@@ -21,3 +23,5 @@ pub use line::{LineMap, LineSegment};
 pub use picture::MapPicture;
 pub use point::PointMap;
 pub use topological::TopologicalMap;
+pub use likelihood_field::LikelihoodField;
+pub use raycast::RayCaster;
