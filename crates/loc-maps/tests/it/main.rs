@@ -3,6 +3,7 @@
 
 mod convert;
 mod distance;
+mod extract;
 mod grid;
 mod landmark;
 mod line;
