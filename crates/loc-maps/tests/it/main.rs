@@ -6,6 +6,7 @@ mod distance;
 mod extract;
 mod grid;
 mod landmark;
+mod likelihood_field;
 mod line;
 mod map_server;
 mod picture;

@@ -1,0 +1,81 @@
+//! How the likelihood falls off with the distance to the nearest obstacle.
+
+use crate::Result;
+
+/// Settings of a likelihood field; the defaults are those of nav2_amcl for a sensor of 12 m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct LikelihoodFieldSettings {
+    /// Standard deviation of the distance between a beam's end and its obstacle \[m\]
+    /// (`sigma_hit`).
+    pub sigma_hit: f64,
+    /// Share of the beams that end on an obstacle of the map (`z_hit`).
+    pub z_hit: f64,
+    /// Share of the beams that end anywhere (`z_rand`).
+    pub z_rand: f64,
+    /// The range over which those are spread \[m\] (`laser_max_range`).
+    pub max_range: f64,
+    /// Farther from all obstacles than this, the likelihood stays as it is there \[m\]
+    /// (`laser_likelihood_max_dist`). Beams that end off the map count as this far.
+    pub max_distance: f64,
+    /// What the likelihood is in unknown cells.
+    pub unknown_space: UnknownSpace,
+}
+
+/// What the likelihood of a beam's end is in unknown cells.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum UnknownSpace {
+    /// By the distance to the nearest obstacle, as in free ones.
+    #[default]
+    ByDistance,
+    /// This constant \[1/m\]; `1 / max_range` says that nothing is known there.
+    Likelihood(f64),
+}
+
+impl Default for LikelihoodFieldSettings {
+    fn default() -> Self {
+        LikelihoodFieldSettings {
+            sigma_hit: 0.2,
+            z_hit: 0.5,
+            z_rand: 0.5,
+            max_range: 12.0,
+            max_distance: 2.0,
+            unknown_space: UnknownSpace::default(),
+        }
+    }
+}
+
+impl LikelihoodFieldSettings {
+    /// The density of a beam's end at `distance` \[m\] from the nearest obstacle \[1/m\]:
+    /// `z_hit N(distance; 0, sigma_hit^2) + z_rand / max_range`.
+    ///
+    /// nav2_amcl leaves out the normaliser of the Gaussian; for its figures, give `z_hit` times
+    /// `sigma_hit sqrt(2 pi)`.
+    pub fn likelihood(&self, distance: f64) -> f64 {
+        let normaliser = self.sigma_hit * std::f64::consts::TAU.sqrt();
+        let deviation = distance / self.sigma_hit;
+        self.z_hit / normaliser * (-0.5 * deviation * deviation).exp()
+            + self.z_rand / self.max_range
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed. `z_rand` may not be
+    /// 0: a single beam off the map would rule out the true pose.
+    pub fn validate(&self) -> Result<()> {
+        use loc_core::error::{non_negative, positive};
+        positive("sigma_hit [m]", self.sigma_hit)?;
+        non_negative("z_hit", self.z_hit)?;
+        positive("z_rand", self.z_rand)?;
+        positive("max_range [m]", self.max_range)?;
+        positive("max_distance [m]", self.max_distance)?;
+        if let UnknownSpace::Likelihood(likelihood) = self.unknown_space {
+            positive("unknown_space likelihood [1/m]", likelihood)?;
+        }
+        Ok(())
+    }
+}
