@@ -14,19 +14,16 @@ impl LineMap {
     /// [`loc_core::Error`] for a resolution that is not positive, a negative margin, and for more
     /// cells than [`MAX_CELLS`](crate::grid::MAX_CELLS).
     pub fn to_grid(&self, resolution: f64, margin: f64) -> Result<OccupancyGrid> {
-        self.rasterize(&frame_around(self.bounds(), resolution, margin)?)
+        Ok(self.rasterize(&frame_around(self.bounds(), resolution, margin)?))
     }
 
     /// The lines as a grid: occupied is every cell that a line touches, free every other.
-    ///
-    /// # Errors
-    /// None today; a result because the frame may be of any size.
-    pub fn rasterize(&self, frame: &GridFrame) -> Result<OccupancyGrid> {
-        let mut cells = vec![Occupancy::Free.value(); frame.cell_count()];
+    pub fn rasterize(&self, frame: &GridFrame) -> OccupancyGrid {
+        let mut grid = OccupancyGrid::filled(*frame, Occupancy::Free.value());
         for line in self.lines() {
-            visit_touched(frame, line, |index| cells[index] = Occupancy::Occupied.value());
+            visit_touched(frame, line, |cell| occupy(&mut grid, cell));
         }
-        OccupancyGrid::new(*frame, cells)
+        grid
     }
 }
 
@@ -37,22 +34,24 @@ impl PointMap {
     /// # Errors
     /// As [`LineMap::to_grid`].
     pub fn to_grid(&self, resolution: f64, margin: f64) -> Result<OccupancyGrid> {
-        self.rasterize(&frame_around(self.bounds(), resolution, margin)?)
+        Ok(self.rasterize(&frame_around(self.bounds(), resolution, margin)?))
     }
 
     /// The points as a grid: occupied is every cell that holds one, free every other.
-    ///
-    /// # Errors
-    /// None today; a result because the frame may be of any size.
-    pub fn rasterize(&self, frame: &GridFrame) -> Result<OccupancyGrid> {
-        let mut cells = vec![Occupancy::Free.value(); frame.cell_count()];
+    pub fn rasterize(&self, frame: &GridFrame) -> OccupancyGrid {
+        let mut grid = OccupancyGrid::filled(*frame, Occupancy::Free.value());
         for point in self.points() {
-            if let Some(index) = frame.cell_at(point).and_then(|cell| frame.index(cell)) {
-                cells[index] = Occupancy::Occupied.value();
+            if let Some(cell) = frame.cell_at(point) {
+                occupy(&mut grid, cell);
             }
         }
-        OccupancyGrid::new(*frame, cells)
+        grid
     }
+}
+
+fn occupy(grid: &mut OccupancyGrid, cell: Cell) {
+    // It cannot fail: the cell is one of the grid's, and the value is a valid one.
+    let _ = grid.set(cell, Occupancy::Occupied.value());
 }
 
 /// The frame of a grid around a box; one cell where there is no box.
@@ -68,11 +67,11 @@ fn frame_around(bounds: Option<Bounds>, resolution: f64, margin: f64) -> Result<
     GridFrame::new(cells(bounds.width()), cells(bounds.height()), resolution, origin)
 }
 
-/// Calls `visit` with the index of every cell of the grid that a line touches, some twice.
+/// Calls `visit` with every cell of the grid that a line touches, some twice.
 ///
 /// The line is cut at the borders of the rows; within a row it covers all columns between its
 /// ends there. Cells own their lower and left edges.
-fn visit_touched(frame: &GridFrame, line: &LineSegment, mut visit: impl FnMut(usize)) {
+fn visit_touched(frame: &GridFrame, line: &LineSegment, mut visit: impl FnMut(Cell)) {
     let ends = [line.start, line.end].map(|end| frame.to_cells(&end));
     let [low, high] = if ends[0].y <= ends[1].y { ends } else { [ends[1], ends[0]] };
     let (rows, columns) = (frame.height() as f64, frame.width() as f64);
@@ -96,9 +95,7 @@ fn visit_touched(frame: &GridFrame, line: &LineSegment, mut visit: impl FnMut(us
         }
         let last = (right as usize).min(frame.width() - 1);
         for column in left.max(0.0) as usize..=last {
-            if let Some(index) = frame.index(Cell::new(column, row)) {
-                visit(index);
-            }
+            visit(Cell::new(column, row));
         }
     }
 }

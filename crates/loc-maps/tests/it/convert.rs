@@ -22,7 +22,7 @@ proptest! {
         lines in prop::collection::vec(prop::array::uniform4(-6.0..8.0), 1..8),
     ) {
         let (map, frame) = (map(&lines), turned_frame());
-        let grid = map.rasterize(&frame).unwrap();
+        let grid = map.rasterize(&frame);
         for line in map.lines() {
             for k in 0..=1000 {
                 let point = line.at(f64::from(k) / 1000.0);
@@ -41,7 +41,7 @@ proptest! {
 #[test]
 fn lines_along_cell_borders_fill_one_row_of_cells() {
     let frame = GridFrame::new(10, 10, 1.0, Pose2::IDENTITY).unwrap();
-    let grid = map(&[[2.0, 3.0, 5.5, 3.0], [8.0, 0.0, 8.0, 20.0]]).rasterize(&frame).unwrap();
+    let grid = map(&[[2.0, 3.0, 5.5, 3.0], [8.0, 0.0, 8.0, 20.0]]).rasterize(&frame);
     let occupied: Vec<Cell> =
         grid.iter().filter(|(_, v)| *v == 100).map(|(cell, _)| cell).collect();
     let expected = |k: usize| match k {
@@ -159,4 +159,20 @@ fn scans_of_a_room_give_its_grid() {
     assert!(points.points().iter().all(|p| room.nearest(p).unwrap().distance < 0.03));
     let sampled = PointMap::from_lines(&room, 0.05).unwrap();
     assert!(sampled.points().iter().all(|p| points.nearest(p).unwrap().distance < 0.06));
+}
+
+#[test]
+fn walls_of_a_real_building_become_lines() {
+    let Some(folder) = crate::data("carmen") else { return };
+    let grid = loc_maps::grid::io::load(folder.join("intel.yaml")).unwrap();
+    let lines = LineMap::from_grid(&grid, &VectorizeSettings::default()).unwrap();
+    assert!((200..400).contains(&lines.len()), "{}", lines.len());
+    let cells = PointMap::from_grid(&grid, Surface::Boundary).unwrap();
+    let near = cells.points().iter().filter(|p| lines.nearest(p).unwrap().distance < 0.1);
+    let share = near.count() as f64 / cells.len() as f64;
+    assert!(share > 0.75, "{share}");
+    for line in lines.lines().iter().filter(|line| line.length() > 2.0) {
+        let far = (0..=20).map(|k| cells.nearest(&line.at(f64::from(k) / 20.0)).unwrap().distance);
+        assert!(far.fold(0.0, f64::max) < 0.2, "{line:?}");
+    }
 }

@@ -3,8 +3,10 @@
 
 mod convert;
 mod distance;
+mod extract;
 mod grid;
 mod landmark;
+mod likelihood_field;
 mod line;
 mod map_server;
 mod picture;

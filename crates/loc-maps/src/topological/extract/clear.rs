@@ -2,8 +2,9 @@
 
 use crate::grid::{Occupancy, OccupancyGrid};
 
-/// Which cells are floor: the free ones, and islands of others of at most `largest` cells.
-pub(super) fn without_clutter(grid: &OccupancyGrid, largest: f64) -> Vec<bool> {
+/// Which cells are floor: the free ones, and islands of others
+/// that are at most `longest` cells long and wide.
+pub(super) fn without_clutter(grid: &OccupancyGrid, longest: f64) -> Vec<bool> {
     let (width, height) = (grid.width(), grid.height());
     let free = |&value: &i8| Occupancy::of(value) == Occupancy::Free;
     let mut floor: Vec<bool> = grid.values().iter().map(free).collect();
@@ -26,11 +27,21 @@ pub(super) fn without_clutter(grid: &OccupancyGrid, largest: f64) -> Vec<bool> {
                 }
             }
         }
-        if island.len() as f64 <= largest {
+        if extent(&island, width) as f64 <= longest {
             island.iter().for_each(|&index| floor[index] = true);
         }
     }
     floor
+}
+
+/// The longer side of the box around some cells \[cells\].
+fn extent(cells: &[usize], width: usize) -> usize {
+    let span = |places: &mut dyn Iterator<Item = usize>| {
+        let (low, high) = places.fold((usize::MAX, 0), |(low, high), k| (low.min(k), high.max(k)));
+        high.saturating_sub(low) + 1
+    };
+    let columns = span(&mut cells.iter().map(|index| index % width));
+    columns.max(span(&mut cells.iter().map(|index| index / width)))
 }
 
 /// The up to eight neighbours of a cell, by index in row-major order.

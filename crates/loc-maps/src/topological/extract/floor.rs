@@ -10,12 +10,16 @@ pub(super) struct Floor {
     pub(super) frame: GridFrame,
     /// Squared distance to the nearest cell that is no floor \[cells^2\], 0 there.
     pub(super) clearance: Vec<u32>,
+    /// The same with the furniture still there.
+    pub(super) furnished: Vec<u32>,
+    /// Squared radius of the robot \[cells^2\].
+    pub(super) robot: u32,
 }
 
 impl Floor {
     pub(super) fn of(grid: &OccupancyGrid, settings: &ExtractSettings) -> Result<Floor> {
         let cell = grid.resolution();
-        let free = without_clutter(grid, settings.max_clutter / (cell * cell));
+        let free = without_clutter(grid, settings.max_clutter / cell);
         let frame = *grid.frame();
         let clearance = clearance(frame, &free)?;
         let radius = squared(settings.robot_radius / cell);
@@ -25,7 +29,10 @@ impl Floor {
         let both = covered.iter().zip(&middles);
         let floor: Vec<bool> = both.map(|(&far, &middle)| middle || far < radius).collect();
         let floor: Vec<bool> = floor.iter().zip(&free).map(|(&a, &b)| a && b).collect();
-        Ok(Floor { clearance: self::clearance(frame, &floor)?, frame })
+        let free = |&value: &i8| Occupancy::of(value) == Occupancy::Free;
+        let free: Vec<bool> = grid.values().iter().map(free).collect();
+        let furnished = self::clearance(frame, &free)?;
+        Ok(Floor { clearance: self::clearance(frame, &floor)?, furnished, robot: radius, frame })
     }
 
     /// A squared distance in cells as a distance \[m\].

@@ -122,7 +122,7 @@ fn way(
     centers.map(|p| floor.frame.to_map(p.x + 0.5, p.y + 0.5)).collect()
 }
 
-/// The roomy cell nearest to the mean of all cells.
+/// The cell nearest to the mean of all cells, of those where a robot can stand, roomy ones first.
 fn center(floor: &Floor, cells: &[usize], clearance: u32) -> usize {
     let place = |index: usize| {
         let width = floor.frame.width();
@@ -130,14 +130,18 @@ fn center(floor: &Floor, cells: &[usize], clearance: u32) -> usize {
     };
     let sum: nalgebra::Vector2<f64> = cells.iter().map(|&index| place(index).coords).sum();
     let mean = Point2::from(sum / cells.len().max(1) as f64);
-    let least = f64::from(clearance) * ROOMY * ROOMY;
-    let roomy = cells.iter().filter(|&&index| f64::from(floor.clearance[index]) >= least);
-    let off = |index: &&usize| nalgebra::distance_squared(&place(**index), &mean);
-    roomy.min_by(|a, b| off(a).total_cmp(&off(b))).copied().unwrap_or(0)
+    let roomy = f64::from(clearance) * ROOMY * ROOMY;
+    let rank = |index: usize| {
+        let stands = floor.furnished[index] > floor.robot;
+        (!stands, f64::from(floor.clearance[index]) < roomy)
+    };
+    let off = |index: usize| nalgebra::distance_squared(&place(index), &mean);
+    let order = |&&a: &&usize, &&b: &&usize| rank(a).cmp(&rank(b)).then(off(a).total_cmp(&off(b)));
+    cells.iter().min_by(order).copied().unwrap_or(0)
 }
 
 /// The costs of the ways from one cell to all others of its region (Dijkstra): [`STEPS`] times
-/// [`PLAIN`], and more by `walls` divided by the clearance.
+/// [`PLAIN`], and more near walls.
 fn walk(floor: &Floor, labels: &[usize], region: usize, start: usize, walls: u32, far: &mut [u32]) {
     let (width, height) = (floor.frame.width(), floor.frame.height());
     let mut open = BinaryHeap::from([Reverse((0, start))]);
@@ -148,7 +152,7 @@ fn walk(floor: &Floor, labels: &[usize], region: usize, start: usize, walls: u32
         }
         for other in around(index, width, height).filter(|&other| labels[other] == region) {
             let across = other % width != index % width && other / width != index / width;
-            let cost = PLAIN + walls / floor.clearance[other].isqrt().max(1);
+            let cost = PLAIN + walls_cost(walls, floor.furnished[other]);
             let steps = steps.saturating_add(STEPS[usize::from(across)] * cost);
             if steps < far[other] {
                 far[other] = steps;
@@ -156,4 +160,9 @@ fn walk(floor: &Floor, labels: &[usize], region: usize, start: usize, walls: u32
             }
         }
     }
+}
+
+/// What a cell costs more: `walls` divided by its clearance, and a lot under furniture.
+fn walls_cost(walls: u32, squared_clearance: u32) -> u32 {
+    walls.checked_div(squared_clearance.isqrt()).unwrap_or(10 * walls)
 }

@@ -35,7 +35,7 @@ pub struct ExtractSettings {
     pub min_width: f64,
     /// Least area of a place \[m^2\]; what is smaller belongs to its neighbour.
     pub min_area: f64,
-    /// Largest obstacle that is furniture \[m^2\]: it does not divide a room.
+    /// Longest side of an obstacle that is furniture \[m\]: standing alone, it divides no room.
     pub max_clutter: f64,
     /// Radius of the robot \[m\]: free space in which it does not fit is none.
     pub robot_radius: f64,
@@ -45,10 +45,10 @@ pub struct ExtractSettings {
 }
 
 impl Default for ExtractSettings {
-    /// For offices: doors up to 1.8 m, rooms from 1.2 m and 3 m^2 on, furniture up to 1.5 m^2.
+    /// For offices: doors up to 1.5 m, rooms from 1.2 m and 3 m^2 on, furniture up to 1.5 m.
     fn default() -> Self {
         ExtractSettings {
-            max_door_width: 1.8,
+            max_door_width: 1.5,
             narrowing: 0.75,
             min_width: 1.2,
             min_area: 3.0,
@@ -65,7 +65,7 @@ impl ExtractSettings {
         probability("narrowing of a door", self.narrowing)?;
         non_negative("least width of a place [m]", self.min_width)?;
         non_negative("least area of a place [m^2]", self.min_area)?;
-        non_negative("largest furniture [m^2]", self.max_clutter)?;
+        non_negative("largest furniture [m]", self.max_clutter)?;
         non_negative("radius of the robot [m]", self.robot_radius)?;
         non_negative("elongation of a corridor", self.elongation)?;
         Ok(())
@@ -85,7 +85,7 @@ impl TopologicalMap {
         settings.checked()?;
         let floor = Floor::of(grid, settings)?;
         let labels = regions::label(&floor, settings);
-        let passages = passages::between(&floor, &labels);
+        let passages = passages::between(&floor, &labels, settings);
         let regions = inside::measure(&floor, &labels, &passages);
         assemble(&floor, &regions, &passages, settings)
     }

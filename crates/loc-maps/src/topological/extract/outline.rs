@@ -6,6 +6,8 @@ use nalgebra::Point2;
 
 /// Corners that lie off the polygon by less than this are left out \[cells\].
 const TOLERANCE: f64 = 1.5;
+/// Largest change of the area by that, as a share.
+const AREA: f64 = 0.2;
 
 /// A corner of cells, in cells from the grid's lower-left one.
 type Corner = (isize, isize);
@@ -30,7 +32,17 @@ pub(super) fn trace(
     let corners = walk(start, inside);
     let points: Vec<Point2<f64>> =
         corners.iter().map(|&(x, y)| Point2::new(x as f64, y as f64)).collect();
-    simplified(&points).into_iter().map(|p| floor.frame.to_map(p.x, p.y)).collect()
+    let simple = simplified(&points);
+    // Of a place hardly wider than the tolerance, nothing would be left.
+    let alike = (area(&simple) / area(&points) - 1.0).abs() < AREA;
+    let outline = if alike { simple } else { points };
+    outline.into_iter().map(|p| floor.frame.to_map(p.x, p.y)).collect()
+}
+
+/// Signed area of a polygon, positive where it runs counter-clockwise.
+fn area(points: &[Point2<f64>]) -> f64 {
+    let next = points.iter().cycle().skip(1);
+    points.iter().zip(next).map(|(a, b)| 0.5 * a.coords.perp(&b.coords)).sum()
 }
 
 /// Walks along the border with the region on the left, from the lower-left corner of its first

@@ -1,5 +1,6 @@
 //! Where regions meet.
 
+use super::ExtractSettings;
 use super::clear::around;
 use super::floor::Floor;
 use super::regions::NONE;
@@ -26,7 +27,8 @@ impl Passage {
 /// All passages, in order of the regions that they join and then from the bottom up.
 ///
 /// The cells at which two regions touch fall into connected groups: two rooms may have two doors.
-pub(super) fn between(floor: &Floor, labels: &[usize]) -> Vec<Passage> {
+/// Those less than a door's width apart are one, which something stands in: the widest counts.
+pub(super) fn between(floor: &Floor, labels: &[usize], settings: &ExtractSettings) -> Vec<Passage> {
     let (width, height) = (floor.frame.width(), floor.frame.height());
     let mut touching: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
     for (index, &label) in labels.iter().enumerate().filter(|(_, label)| **label != NONE) {
@@ -40,17 +42,34 @@ pub(super) fn between(floor: &Floor, labels: &[usize]) -> Vec<Passage> {
             touching.entry([label.min(other), label.max(other)]).or_default().push(index);
         }
     }
-    let mut passages = Vec::new();
-    for (between, cells) in touching {
-        for group in groups(&cells, width, height) {
-            let Some(&middle) = group.iter().max_by_key(|&&index| floor.clearance[index]) else {
-                continue;
-            };
-            let cell = Cell::new(middle % width, middle / width);
-            passages.push(Passage { between, cell, clearance: floor.clearance[middle] });
-        }
-    }
-    passages
+    let near = settings.max_door_width / floor.frame.resolution();
+    touching
+        .into_iter()
+        .flat_map(|(between, cells)| {
+            let groups = groups(&cells, width, height).into_iter();
+            let widest = groups.filter_map(|group| {
+                let index = group.into_iter().max_by_key(|&index| floor.clearance[index])?;
+                let cell = Cell::new(index % width, index / width);
+                Some(Passage { between, cell, clearance: floor.clearance[index] })
+            });
+            apart(widest.collect(), near)
+        })
+        .collect()
+}
+
+/// Only the widest of passages that are less than `near` cells apart, in the order they had.
+fn apart(passages: Vec<Passage>, near: f64) -> Vec<Passage> {
+    let distance = |a: &Passage, b: &Passage| {
+        let (columns, rows) =
+            (a.cell.column.abs_diff(b.cell.column), a.cell.row.abs_diff(b.cell.row));
+        (columns as f64).hypot(rows as f64)
+    };
+    let rank = |passage: &Passage| (passage.clearance, passage.cell);
+    let hidden: Vec<bool> = passages
+        .iter()
+        .map(|a| passages.iter().any(|b| rank(b) > rank(a) && distance(a, b) < near))
+        .collect();
+    passages.into_iter().zip(hidden).filter(|(_, hidden)| !hidden).map(|(p, _)| p).collect()
 }
 
 /// The connected groups of some cells, which are in order.
