@@ -11,8 +11,6 @@ mod line;
 mod map_server;
 mod picture;
 mod point;
-mod likelihood_field;
-mod map_server;
 mod raycast;
 mod real_maps;
 mod topological;
