@@ -10,6 +10,7 @@ pub mod likelihood_field;
 pub mod line;
 pub mod picture;
 pub mod point;
+pub mod raycast;
 pub mod topological;
 mod tree;
 
@@ -22,4 +23,5 @@ pub use likelihood_field::LikelihoodField;
 pub use line::{LineMap, LineSegment};
 pub use picture::MapPicture;
 pub use point::PointMap;
+pub use raycast::RayCaster;
 pub use topological::TopologicalMap;

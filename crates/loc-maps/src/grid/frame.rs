@@ -114,6 +114,12 @@ impl GridFrame {
         )
     }
 
+    /// A vector of the map, turned into the grid's frame; its length stays.
+    #[inline]
+    pub fn turn_to_grid(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.cos * x + self.sin * y, self.cos * y - self.sin * x]
+    }
+
     /// The cell that holds a point of the map \[m\]; a cell owns its lower and left edges.
     #[inline]
     pub fn cell_at(&self, point: &Point2<f64>) -> Option<Cell> {

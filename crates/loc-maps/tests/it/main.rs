@@ -11,6 +11,7 @@ mod line;
 mod map_server;
 mod picture;
 mod point;
+mod raycast;
 mod real_maps;
 mod topological;
 

@@ -59,7 +59,7 @@ impl Default for ExtractSettings {
             min_area: 3.0,
             max_clutter: 1.5,
             robot_radius: 0.2,
-            elongation: 4.0,
+            elongation: 3.5,
         }
     }
 }
