@@ -92,6 +92,7 @@ fn absurd_settings_are_refused() {
         for settings in [
             ExtractSettings { max_door_width: bad, ..base },
             ExtractSettings { narrowing: bad, ..base },
+            ExtractSettings { openness: bad, ..base },
             ExtractSettings { min_width: bad, ..base },
             ExtractSettings { min_area: bad, ..base },
             ExtractSettings { max_clutter: bad, ..base },
@@ -115,7 +116,7 @@ proptest! {
         let frame = GridFrame::new(width, height, 0.5, Pose2::new(1.0, 2.0, 0.3)).unwrap();
         let grid = OccupancyGrid::new(frame, cells[..width * height].to_vec()).unwrap();
         let fine = ExtractSettings {
-            min_area: 0.0, min_width: 0.0, robot_radius: 0.0, max_clutter: 0.0, narrowing: 1.0,
+            min_area: 0.0, min_width: 0.0, robot_radius: 0.0, max_clutter: 0.0, narrowing: 1.0, openness: 1.0,
             ..ExtractSettings::default()
         };
         let settings = if small { fine } else { ExtractSettings::default() };

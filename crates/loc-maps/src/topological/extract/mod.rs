@@ -11,6 +11,7 @@
 mod clear;
 mod floor;
 mod inside;
+mod open;
 mod outline;
 mod passages;
 mod regions;
@@ -31,6 +32,9 @@ pub struct ExtractSettings {
     pub max_door_width: f64,
     /// A door is at most this share of the width of the places on both sides, in \[0, 1\].
     pub narrowing: f64,
+    /// Two places joined by several passages are one if these make up more than this share of the
+    /// wall between the outermost of them, in \[0, 1\].
+    pub openness: f64,
     /// Least width of a place \[m\]; what is narrower belongs to its neighbour.
     pub min_width: f64,
     /// Least area of a place \[m^2\]; what is smaller belongs to its neighbour.
@@ -50,11 +54,12 @@ impl Default for ExtractSettings {
         ExtractSettings {
             max_door_width: 1.5,
             narrowing: 0.75,
+            openness: 0.4,
             min_width: 1.2,
             min_area: 3.0,
             max_clutter: 1.5,
             robot_radius: 0.2,
-            elongation: 4.0,
+            elongation: 3.5,
         }
     }
 }
@@ -63,6 +68,7 @@ impl ExtractSettings {
     fn checked(&self) -> Result<()> {
         positive("widest door [m]", self.max_door_width)?;
         probability("narrowing of a door", self.narrowing)?;
+        probability("openness of a wall", self.openness)?;
         non_negative("least width of a place [m]", self.min_width)?;
         non_negative("least area of a place [m^2]", self.min_area)?;
         non_negative("largest furniture [m]", self.max_clutter)?;
@@ -84,7 +90,8 @@ impl TopologicalMap {
     pub fn from_grid(grid: &OccupancyGrid, settings: &ExtractSettings) -> Result<Self> {
         settings.checked()?;
         let floor = Floor::of(grid, settings)?;
-        let labels = regions::label(&floor, settings);
+        let mut labels = regions::label(&floor, settings);
+        open::join_open(&floor, settings, &mut labels);
         let passages = passages::between(&floor, &labels, settings);
         let regions = inside::measure(&floor, &labels, &passages);
         assemble(&floor, &regions, &passages, settings)

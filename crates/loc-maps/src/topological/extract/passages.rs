@@ -7,6 +7,9 @@ use super::regions::NONE;
 use crate::grid::Cell;
 use std::collections::BTreeMap;
 
+/// Two doors are at least this many times the width of the widest door apart.
+const APART: f64 = 1.5;
+
 /// A place at which two regions meet.
 pub(super) struct Passage {
     /// The two regions.
@@ -27,7 +30,8 @@ impl Passage {
 /// All passages, in order of the regions that they join and then from the bottom up.
 ///
 /// The cells at which two regions touch fall into connected groups: two rooms may have two doors.
-/// Those less than a door's width apart are one, which something stands in: the widest counts.
+/// Those hardly more than a door's width apart are one, which something stands in: the widest
+/// counts.
 pub(super) fn between(floor: &Floor, labels: &[usize], settings: &ExtractSettings) -> Vec<Passage> {
     let (width, height) = (floor.frame.width(), floor.frame.height());
     let mut touching: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
@@ -42,7 +46,7 @@ pub(super) fn between(floor: &Floor, labels: &[usize], settings: &ExtractSetting
             touching.entry([label.min(other), label.max(other)]).or_default().push(index);
         }
     }
-    let near = settings.max_door_width / floor.frame.resolution();
+    let near = APART * settings.max_door_width / floor.frame.resolution();
     touching
         .into_iter()
         .flat_map(|(between, cells)| {

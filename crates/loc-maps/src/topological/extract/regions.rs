@@ -44,12 +44,17 @@ impl Basins {
 pub(super) fn label(floor: &Floor, settings: &ExtractSettings) -> Vec<usize> {
     let mut labels = flood(floor, settings);
     merge_small(floor, settings, &mut labels);
+    renumber(&mut labels);
+    labels
+}
+
+/// Numbers the regions from 0 in order of their first cells.
+pub(super) fn renumber(labels: &mut [usize]) {
     let mut numbers = HashMap::new();
     for label in labels.iter_mut().filter(|label| **label != NONE) {
         let next = numbers.len();
         *label = *numbers.entry(*label).or_insert(next);
     }
-    labels
 }
 
 fn flood(floor: &Floor, settings: &ExtractSettings) -> Vec<usize> {
