@@ -8,6 +8,7 @@ pub mod grid;
 pub mod landmark;
 pub mod likelihood_field;
 pub mod line;
+pub mod mapping;
 pub mod picture;
 pub mod point;
 pub mod raycast;

@@ -9,6 +9,7 @@ mod landmark;
 mod likelihood_field;
 mod line;
 mod map_server;
+mod mapping;
 mod picture;
 mod point;
 mod raycast;
