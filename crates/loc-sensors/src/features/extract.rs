@@ -2,7 +2,7 @@
 
 use super::Line;
 use super::assemble::assemble;
-use super::fit::{Hit, fit};
+use super::fit::{Hit, refined};
 use super::split::{runs, split};
 use crate::Result;
 use crate::check::in_range;
@@ -76,7 +76,7 @@ impl LineExtractor {
         let walls = assemble(&hits, &parts, self);
         let enough =
             |line: &Line| line.points >= self.min_points && line.length() >= self.min_length;
-        Ok(walls.iter().filter_map(|wall| fit(wall)).filter(enough).collect())
+        Ok(walls.iter().filter_map(|wall| refined(wall)).filter(enough).collect())
     }
 }
 
