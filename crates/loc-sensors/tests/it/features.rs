@@ -58,7 +58,7 @@ fn perfect_walls_are_found_exactly() {
     assert!(nalgebra::distance(&lines[2].start, &corner) < 0.05);
 }
 
-/// Lines, and the walls they belong to, of one scan in a room of its own, for each seed.
+/// Lines, and their errors against the walls they belong to, of one scan in a room of its own, for each seed.
 fn scans_of_rooms(sigma: f64, seeds: std::ops::Range<u64>) -> Vec<(Line, Vector2<f64>)> {
     let mut all = Vec::new();
     for seed in seeds {
@@ -70,7 +70,7 @@ fn scans_of_rooms(sigma: f64, seeds: std::ops::Range<u64>) -> Vec<(Line, Vector2
         let room = Room::new(lower, upper).unwrap();
         let scan = noisy(sigma).scan(&room, pose, &mut stream(seed, "laser"));
         let lines = extractor(sigma).extract(&scan).unwrap();
-        assert!((3..=5).contains(&lines.len()), "seed {seed}: {} lines", lines.len());
+        assert!((3..=7).contains(&lines.len()), "seed {seed}: {} lines", lines.len());
         let walls = walls(lower, upper, pose);
         all.extend(lines.into_iter().map(|line| (line, error(&line, &walls))));
     }
@@ -81,24 +81,25 @@ fn scans_of_rooms(sigma: f64, seeds: std::ops::Range<u64>) -> Vec<(Line, Vector2
 /// are chi-square distributed with 2 degrees of freedom.
 #[test]
 fn errors_are_those_of_the_covariance() {
-    for sigma in [0.01, 0.03] {
-        let lines = scans_of_rooms(sigma, 0..400);
+    for (sigma, seeds) in [(0.01, 400), (0.03, 4000)] {
+        let lines = scans_of_rooms(sigma, 0..seeds);
         let count = lines.len();
         let squares: Vec<f64> =
             lines.iter().map(|(line, error)| nees(error, &line.covariance).unwrap()).collect();
         let mean = squares.iter().sum::<f64>() / count as f64;
-        let band = chi_square_band(2, count, 0.99).unwrap();
+        let band = chi_square_band(2, count, 0.999).unwrap();
         assert!(band.contains(&mean), "sigma {sigma}: mean {mean} of {count} outside {band:?}");
         let above = squares.iter().filter(|square| **square > 5.991).count();
         assert_relative_eq!(above as f64 / count as f64, 0.05, epsilon = 0.015);
-        let one = chi_square_band(1, count, 0.99).unwrap();
+        let one = chi_square_band(1, count, 0.999).unwrap();
         for axis in 0..2 {
             let normalised =
                 lines.iter().map(|(line, e)| e[axis] / line.covariance[(axis, axis)].sqrt());
             let moments = RunningMoments::of(normalised).unwrap();
             let variance = moments.variance().unwrap();
             assert!(one.contains(&variance), "axis {axis}: {variance} outside {one:?}");
-            assert!(moments.mean().unwrap().abs() < 3.0 / (count as f64).sqrt());
+            let chance = 3.3 / (count as f64).sqrt();
+            assert!(moments.mean().unwrap().abs() < chance, "axis {axis} is biased");
         }
     }
 }
