@@ -2,7 +2,7 @@
 
 use super::Line;
 use super::assemble::assemble;
-use super::fit::{Hit, fit};
+use super::fit::{Hit, refined};
 use super::split::{runs, split};
 use crate::Result;
 use crate::check::in_range;
@@ -35,6 +35,9 @@ pub struct LineExtractor {
     pub min_points: usize,
     /// A wall must be this long \[m\].
     pub min_length: f64,
+    /// Its direction must be known this well \[rad\]: of stubs beyond a corner it is not clear
+    /// which beams are theirs, and their covariance would promise too much.
+    pub max_alpha_sigma: f64,
 }
 
 impl LineExtractor {
@@ -58,6 +61,7 @@ impl LineExtractor {
         positive("widest gap in a wall [rad]", self.max_gap)?;
         in_range("fewest points of a wall", "at least 3", self.min_points as f64, |n| n >= 3.0)?;
         non_negative("least length of a wall [m]", self.min_length)?;
+        positive("largest sigma of a wall's direction [rad]", self.max_alpha_sigma)?;
         Ok(())
     }
 
@@ -74,9 +78,12 @@ impl LineExtractor {
             split(&hits, run, self, &mut parts);
         }
         let walls = assemble(&hits, &parts, self);
-        let enough =
-            |line: &Line| line.points >= self.min_points && line.length() >= self.min_length;
-        Ok(walls.iter().filter_map(|wall| fit(wall)).filter(enough).collect())
+        let enough = |line: &Line| {
+            line.points >= self.min_points
+                && line.length() >= self.min_length
+                && line.covariance.m22 <= self.max_alpha_sigma.powi(2)
+        };
+        Ok(walls.iter().filter_map(|wall| refined(wall)).filter(enough).collect())
     }
 }
 
@@ -92,6 +99,7 @@ impl Default for LineExtractor {
             max_gap: 3_f64.to_radians(),
             min_points: 10,
             min_length: 0.3,
+            max_alpha_sigma: 0.03,
         }
     }
 }

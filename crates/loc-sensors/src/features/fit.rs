@@ -3,13 +3,13 @@
 //! A beam errs along its own direction, so that a point is off its wall by the range's error times
 //! the cosine of the angle of incidence, and by the angle's error times range and sine. The fit
 //! weights each point by the inverse of that variance (Pfister, Roumeliotis and Burdick 2003), which
-//! depends on the line itself: a few rounds settle it. The covariance is the inverse of the
-//! information that all points hold on (r, alpha).
+//! depends on the line itself: a few rounds settle it, and a last step takes the bias out. The
+//! covariance is the inverse of the information that all points hold on (r, alpha).
 
 use super::{Line, LineExtractor};
 use crate::laser::Beam;
 use loc_core::angle;
-use nalgebra::{Matrix2, Point2};
+use nalgebra::{Matrix2, Point2, Vector2};
 use std::f64::consts::PI;
 
 /// A beam with what the fit needs of it.
@@ -52,8 +52,8 @@ impl Hit {
     }
 }
 
-/// Rounds of reweighting; three change the third digit of a standard deviation no more.
-const ROUNDS: usize = 3;
+/// Rounds of reweighting; two change the third digit of a standard deviation no more.
+const ROUNDS: usize = 2;
 
 /// The line that fits best; `None` for fewer than two points, or points in one place.
 pub(super) fn fit(hits: &[Hit]) -> Option<Line> {
@@ -62,10 +62,28 @@ pub(super) fn fit(hits: &[Hit]) -> Option<Line> {
         let (sin, cos) = alpha.sin_cos();
         (r, alpha) = weighted(hits, |hit| 1.0 / hit.variance_along(cos, sin))?;
     }
-    if r < 0.0 {
-        (r, alpha) = (-r, alpha + PI);
+    line(hits, r, alpha)
+}
+
+/// The same without the fit's bias, for walls that are settled.
+///
+/// The weights were held while the line turned, but a point's noise turns with its beam; that
+/// pulls the line by an order of noise squared. Two Gauss-Newton steps on the likelihood of the
+/// beams themselves take it out.
+pub(super) fn refined(hits: &[Hit]) -> Option<Line> {
+    let start = fit(hits)?;
+    let (mut r, mut alpha) = (start.r, start.alpha);
+    for _ in 0..2 {
+        let step = Information::of(hits, r, alpha);
+        let change = step.covariance()? * step.gradient;
+        (r, alpha) = (r + change.x, alpha + change.y);
     }
-    let covariance = covariance(hits, alpha)?;
+    line(hits, r, alpha)
+}
+
+fn line(hits: &[Hit], r: f64, alpha: f64) -> Option<Line> {
+    let (r, alpha) = if r < 0.0 { (-r, alpha + PI) } else { (r, alpha) };
+    let covariance = Information::of(hits, r, alpha).covariance()?;
     let (first, last) = (hits.first()?.point, hits.last()?.point);
     let alpha = angle::wrap(alpha);
     let line = Line { r, alpha, covariance, start: first, end: last, points: hits.len() };
@@ -92,16 +110,35 @@ fn weighted(hits: &[Hit], weight: impl Fn(&Hit) -> f64) -> Option<(f64, f64)> {
     (hits.len() >= 2 && spread > 0.0 && spread.is_finite()).then_some((x * cos + y * sin, alpha))
 }
 
-/// Inverse of the information about (r, alpha).
-fn covariance(hits: &[Hit], alpha: f64) -> Option<Matrix2<f64>> {
-    let (sin, cos) = alpha.sin_cos();
-    let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
-    for hit in hits {
-        // The distance from the line changes by -1 with r, and by the place along it with alpha.
-        let (w, along) =
-            (1.0 / hit.variance_along(cos, sin), hit.point.y * cos - hit.point.x * sin);
-        (a, b, c) = (a + w, b - w * along, c + w * along * along);
+/// What all points say of (r, alpha): the normal equations about a line.
+struct Information {
+    matrix: Matrix2<f64>,
+    gradient: Vector2<f64>,
+}
+
+impl Information {
+    fn of(hits: &[Hit], r: f64, alpha: f64) -> Self {
+        let (sin, cos) = alpha.sin_cos();
+        let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
+        let mut gradient = Vector2::zeros();
+        for hit in hits {
+            let beyond = hit.point.x * cos + hit.point.y * sin;
+            let along = hit.point.y * cos - hit.point.x * sin;
+            let (off, w) = (beyond - r, 1.0 / hit.variance_along(cos, sin));
+            // The distance changes by -1 with r, and with alpha by the place along the line: that
+            // of the line's point on this beam, not that of the noisy one.
+            let square = hit.beam.range * hit.beam.range;
+            let turning = beyond * along * (hit.range_variance / square - hit.angle_variance);
+            let lever = along - off * w * turning;
+            (a, b, c) = (a + w, b - w * lever, c + w * lever * lever);
+            gradient += Vector2::new(off, -off * lever) * w;
+        }
+        Information { matrix: Matrix2::new(a, b, b, c), gradient }
     }
-    let determinant = a * c - b * b;
-    (determinant > 1e-12 * a * c).then(|| Matrix2::new(c, -b, -b, a) / determinant)
+
+    fn covariance(&self) -> Option<Matrix2<f64>> {
+        let [a, b, c] = [self.matrix.m11, self.matrix.m12, self.matrix.m22];
+        let determinant = a * c - b * b;
+        (determinant > 1e-12 * a * c).then(|| Matrix2::new(c, -b, -b, a) / determinant)
+    }
 }

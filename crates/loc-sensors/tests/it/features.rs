@@ -1,11 +1,12 @@
 use approx::assert_relative_eq;
 use loc_core::random::stream;
-use loc_core::stats::{chi_square_band, nees};
+use loc_core::stats::{RunningMoments, chi_square_band, nees};
 use loc_core::{Pose2, angle};
 use loc_sensors::features::{Line, LineExtractor};
 use loc_sensors::laser::{LaserFaults, LaserNoise, LaserScan, LaserScanner, LaserSpec};
 use loc_sensors::world::Room;
 use nalgebra::{Matrix2, Point2, Vector2};
+use rand::RngExt;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// What the walls of the room are from the scanner: distance and direction of the perpendicular.
@@ -57,34 +58,90 @@ fn perfect_walls_are_found_exactly() {
     assert!(nalgebra::distance(&lines[2].start, &corner) < 0.05);
 }
 
-/// Over rooms, places and seeds, the errors normalised by the covariance are chi-square
-/// distributed with 2 degrees of freedom.
+/// Lines, and their errors against the walls they belong to, of one scan in a room of its own, for each seed.
+fn scans_of_rooms(sigma: f64, seeds: std::ops::Range<u64>) -> Vec<(Line, Vector2<f64>)> {
+    let mut all = Vec::new();
+    for seed in seeds {
+        let mut rng = stream(seed, "rooms");
+        let mut draw = |from: f64, to: f64| rng.random_range(from..to);
+        let lower = [draw(-4.0, -2.0), draw(-4.0, -2.0)];
+        let upper = [draw(2.0, 4.0), draw(2.0, 4.0)];
+        let pose = Pose2::new(draw(-1.0, 1.0), draw(-1.0, 1.0), draw(-PI, PI));
+        let room = Room::new(lower, upper).unwrap();
+        let scan = noisy(sigma).scan(&room, pose, &mut stream(seed, "laser"));
+        let lines = extractor(sigma).extract(&scan).unwrap();
+        assert!((3..=7).contains(&lines.len()), "seed {seed}: {} lines", lines.len());
+        let walls = walls(lower, upper, pose);
+        all.extend(lines.into_iter().map(|line| (line, error(&line, &walls))));
+    }
+    all
+}
+
+/// Over rooms, places and seeds, the errors normalised by the covariance have unit variance, and
+/// are chi-square distributed with 2 degrees of freedom.
 #[test]
 fn errors_are_those_of_the_covariance() {
-    for sigma in [0.01, 0.03] {
-        let (mut sum, mut count, mut above) = (0.0, 0, 0);
-        for seed in 0..400 {
-            let mut rng = stream(seed, "rooms");
-            let mut draw =
-                |from: f64, to: f64| from + (to - from) * rand::RngExt::random::<f64>(&mut rng);
-            let (lower, upper) =
-                ([draw(-4.0, -2.0), draw(-4.0, -2.0)], [draw(2.0, 4.0), draw(2.0, 4.0)]);
-            let pose = Pose2::new(draw(-1.0, 1.0), draw(-1.0, 1.0), draw(-PI, PI));
-            let room = Room::new(lower, upper).unwrap();
-            let scan = noisy(sigma).scan(&room, pose, &mut stream(seed, "laser"));
-            let lines = extractor(sigma).extract(&scan).unwrap();
-            assert!((3..=5).contains(&lines.len()), "seed {seed}: {} lines", lines.len());
-            for line in &lines {
-                let square =
-                    nees(&error(line, &walls(lower, upper, pose)), &line.covariance).unwrap();
-                (sum, count) = (sum + square, count + 1);
-                above += usize::from(square > 5.991);
+    for (sigma, seeds) in [(0.01, 400), (0.03, 4000)] {
+        let lines = scans_of_rooms(sigma, 0..seeds);
+        let count = lines.len();
+        let squares: Vec<f64> =
+            lines.iter().map(|(line, error)| nees(error, &line.covariance).unwrap()).collect();
+        let mean = squares.iter().sum::<f64>() / count as f64;
+        let band = chi_square_band(2, count, 0.999).unwrap();
+        assert!(band.contains(&mean), "sigma {sigma}: mean {mean} of {count} outside {band:?}");
+        let above = squares.iter().filter(|square| **square > 5.991).count();
+        assert_relative_eq!(above as f64 / count as f64, 0.05, epsilon = 0.015);
+        let one = chi_square_band(1, count, 0.999).unwrap();
+        for axis in 0..2 {
+            let normalised =
+                lines.iter().map(|(line, e)| e[axis] / line.covariance[(axis, axis)].sqrt());
+            let moments = RunningMoments::of(normalised).unwrap();
+            let variance = moments.variance().unwrap();
+            assert!(one.contains(&variance), "axis {axis}: {variance} outside {one:?}");
+            let chance = 3.3 / (count as f64).sqrt();
+            assert!(moments.mean().unwrap().abs() < chance, "axis {axis} is biased");
+        }
+    }
+}
+
+/// Whatever stands in a scan, every line is finite and has a covariance.
+#[test]
+fn any_scan_gives_sound_lines() {
+    let mut rng = stream(5, "junk");
+    for _ in 0..300 {
+        let beams = rng.random_range(1..400);
+        let step = rng.random_range(0.001..0.05);
+        let spread = 10_f64.powf(rng.random_range(-6.0..1.0));
+        let ranges: Vec<f64> = (0..beams)
+            .map(|_| match rng.random_range(0..20) {
+                0 => f64::INFINITY,
+                1 => f64::NAN,
+                2 => f64::NEG_INFINITY,
+                3 => -1.0,
+                _ => 2.0 + spread * rng.random_range(-0.1..0.1),
+            })
+            .collect();
+        let scan = LaserScan {
+            angle_min: -3.0,
+            angle_max: -3.0 + step * (beams - 1) as f64,
+            angle_increment: step,
+            time_increment: 0.0,
+            scan_time: 0.1,
+            range_min: 0.0,
+            range_max: 10.0,
+            ranges,
+            intensities: Vec::new(),
+        };
+        if scan.check().is_err() {
+            continue;
+        }
+        for sigma in [0.0, 1e-3, 0.1] {
+            for line in extractor(sigma).extract(&scan).unwrap() {
+                assert!(line.r >= 0.0 && line.r.is_finite() && line.alpha.abs() <= PI, "{line:?}");
+                assert!(line.length().is_finite() && line.points >= 10);
+                loc_core::gaussian::check_covariance("line", &line.covariance).unwrap();
             }
         }
-        let band = chi_square_band(2, count, 0.999).unwrap();
-        let mean = sum / count as f64;
-        assert!(band.contains(&mean), "sigma {sigma}: mean {mean} of {count} outside {band:?}");
-        assert_relative_eq!(above as f64 / count as f64, 0.05, epsilon = 0.02);
     }
 }
 
@@ -105,7 +162,8 @@ fn covariance_by_hand() {
         ranges: angles.map(|a| 2.0 / f64::cos(a)).to_vec(),
         intensities: Vec::new(),
     };
-    let settings = LineExtractor { min_points: 3, min_length: 0.0, ..extractor(0.1) };
+    let settings =
+        LineExtractor { min_points: 3, min_length: 0.0, max_alpha_sigma: 9.0, ..extractor(0.1) };
     let lines = settings.extract(&scan).unwrap();
     assert_eq!((lines.len(), lines[0].points), (1, 3));
     assert_relative_eq!(lines[0].r, 2.0, epsilon = 1e-9);

@@ -11,6 +11,7 @@ mod laser;
 mod laser_scan;
 mod radar;
 mod rgbd;
+#[cfg(feature = "serde")]
 mod settings;
 mod sonar;
 mod wheel;
