@@ -4,6 +4,8 @@
 use criterion::Criterion;
 use loc_maps::OccupancyGrid;
 use loc_maps::grid::io;
+use loc_maps::worlds::{self, WorldSize};
+use std::path::Path;
 use std::time::Duration;
 
 /// Settings that all benches run with: long enough to be steady, short enough to be rerun.
@@ -16,8 +18,12 @@ pub fn criterion() -> Criterion {
 
 /// The map that maps are timed on: the one under `LOC_DATA_DIR` on which other localizers were
 /// timed (2000 x 2000 cells of 5 cm, 100 rooms, 1200 boxes), else an office of the same size.
-#[allow(clippy::expect_used)]
-pub fn map() -> OccupancyGrid {
-    let folder = std::env::var_os("LOC_DATA_DIR").expect("set");
-    io::load(std::path::Path::new(&folder).join("bench/synth.yaml")).expect("a map")
+///
+/// # Errors
+/// Where the map cannot be read.
+pub fn map() -> loc_maps::Result<OccupancyGrid> {
+    match std::env::var_os("LOC_DATA_DIR") {
+        Some(folder) => io::load(Path::new(&folder).join("bench/synth.yaml")),
+        None => worlds::office(WorldSize { columns: 2000, rows: 2000, resolution: 0.05 }, 1),
+    }
 }

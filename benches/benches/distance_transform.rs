@@ -46,7 +46,7 @@ fn one_dimension(f: &[f32]) -> Vec<f32> {
 }
 
 fn transform(c: &mut Criterion) {
-    let grid = loc_bench::map();
+    let grid = loc_bench::map().expect("a map");
     let mut group = c.benchmark_group("distance-transform");
     group.throughput(Throughput::Elements(grid.values().len() as u64));
     group.bench_function("exact, cut-off 2 m", |bencher| {

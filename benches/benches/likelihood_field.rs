@@ -51,7 +51,7 @@ fn plain(field: &[f32], grid: &OccupancyGrid, pose: Pose2, scan: &[[f64; 2]]) ->
 }
 
 fn lookups(c: &mut Criterion) {
-    let grid = loc_bench::map();
+    let grid = loc_bench::map().expect("a map");
     let settings = LikelihoodFieldSettings { max_range: 30.0, ..Default::default() };
     let field = LikelihoodField::new(&grid, &settings).expect("valid");
     let distances = DistanceMap::new(&grid, 2.0).expect("valid");

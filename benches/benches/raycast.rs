@@ -44,7 +44,7 @@ fn fans(world: &impl RangeWorld, poses: &[Pose2]) -> f64 {
 }
 
 fn rays(c: &mut Criterion) {
-    let grid = loc_bench::map();
+    let grid = loc_bench::map().expect("a map");
     let caster = RayCaster::new(&grid);
     let poses = poses(&grid, RAYS);
     let cells =

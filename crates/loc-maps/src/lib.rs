@@ -14,6 +14,7 @@ pub mod point;
 pub mod raycast;
 pub mod topological;
 mod tree;
+pub mod worlds;
 
 pub use bounds::Bounds;
 pub use distance::DistanceMap;
@@ -22,6 +23,7 @@ pub use grid::OccupancyGrid;
 pub use landmark::{Landmark, LandmarkMap};
 pub use likelihood_field::LikelihoodField;
 pub use line::{LineMap, LineSegment};
+pub use mapping::OccupancyMapper;
 pub use picture::MapPicture;
 pub use point::PointMap;
 pub use raycast::RayCaster;

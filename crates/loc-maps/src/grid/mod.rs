@@ -56,6 +56,12 @@ impl OccupancyGrid {
         }
     }
 
+    /// A grid from values that are known to be right, one for each cell.
+    pub(crate) fn from_valid(frame: GridFrame, cells: Vec<i8>) -> Self {
+        debug_assert!(cells.len() == frame.cell_count() && cells.iter().all(|&v| is_valid(v)));
+        OccupancyGrid { frame, cells }
+    }
+
     /// A grid whose cells all have one value; anything outside 0 to 100 becomes -1.
     pub fn filled(frame: GridFrame, value: i8) -> Self {
         let value = if is_valid(value) { value } else { UNKNOWN };

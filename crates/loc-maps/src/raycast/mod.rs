@@ -28,6 +28,7 @@
 mod bits;
 mod caster;
 mod ray;
+mod search;
 mod traversal;
 
 pub use caster::RayCaster;

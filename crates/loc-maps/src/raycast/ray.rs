@@ -1,6 +1,6 @@
 //! A ray in the frame of a grid, cut to the part that lies on it.
 
-use crate::grid::GridFrame;
+use crate::grid::{Cell, GridFrame};
 use nalgebra::Point2;
 
 /// A ray's part on a grid. Lengths along it are in cells.
@@ -98,5 +98,18 @@ impl GridRay {
     #[inline]
     pub(super) fn entry_of(&self, cell: [usize; 2]) -> f64 {
         self.entry(0, cell[0]).max(self.entry(1, cell[1])).max(self.enter)
+    }
+
+    /// The length at which the ray leaves a cell that it passes.
+    #[inline]
+    pub fn exit_of(&self, cell: Cell) -> f64 {
+        let exit = |axis: usize, cell: usize| match self.direction[axis] {
+            0.0 => f64::INFINITY,
+            along => {
+                let edge = if along < 0.0 { cell } else { cell + 1 };
+                (edge as f64 - self.start[axis]) * self.inverse[axis]
+            }
+        };
+        exit(0, cell.column).min(exit(1, cell.row))
     }
 }

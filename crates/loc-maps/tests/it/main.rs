@@ -15,6 +15,7 @@ mod point;
 mod raycast;
 mod real_maps;
 mod topological;
+mod worlds;
 
 /// A folder of real recordings under `LOC_DATA_DIR`, or `None`, said aloud, where that is unset.
 fn data(folder: &str) -> Option<std::path::PathBuf> {
