@@ -23,7 +23,7 @@ pub use grid::OccupancyGrid;
 pub use landmark::{Landmark, LandmarkMap};
 pub use likelihood_field::LikelihoodField;
 pub use line::{LineMap, LineSegment};
-pub use mapping::OccupancyMapper;
+pub use mapping::GridMapper;
 pub use picture::MapPicture;
 pub use point::PointMap;
 pub use raycast::RayCaster;

@@ -2,6 +2,7 @@
 
 pub mod eval;
 pub mod list;
+pub mod map;
 mod progress;
 pub mod replay;
 pub mod run;
@@ -39,6 +40,7 @@ enum Command {
     Run(run::RunArgs),
     Replay(replay::ReplayArgs),
     Eval(eval::EvalArgs),
+    Map(map::MapArgs),
 }
 
 impl Cli {
@@ -53,6 +55,7 @@ impl Cli {
             Some(Command::Run(args)) => run::run(args, &self.global),
             Some(Command::Replay(args)) => replay::replay(args, &self.global),
             Some(Command::Eval(args)) => eval::run(args, &self.global),
+            Some(Command::Map(args)) => map::map(args, &self.global),
         }
     }
 }

@@ -10,6 +10,8 @@ mod eval;
 mod evo;
 mod figures;
 mod layering;
+#[cfg(feature = "cli")]
+mod map;
 mod metrics;
 mod mrclam;
 mod recordings;
