@@ -1,25 +1,21 @@
-//! A depth image of an Xtion PRO (640 x 480) with noise and colour in a room with a pillar, beside
-//! the same picture by a ray for every pixel.
+//! A depth image of an Xtion PRO (640 x 480) with noise and colour on the bench map, beside the
+//! same picture by a ray for every pixel.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use loc_core::Pose2;
 use loc_core::random::stream;
 use loc_core::sampling::box_muller;
+use loc_maps::RayCaster;
 use loc_sensors::rgbd::{DepthCamera, DepthCameraSpec, VirtualScan};
-use loc_sensors::world::{Extruded, RangeWorld, Room};
+use loc_sensors::world::{Extruded, RangeWorld};
 use rand::Rng;
 use std::hint::black_box;
 
 const HEIGHT: f64 = 1.0;
 
-fn room() -> Room {
-    let room = Room::new([-1.0, -2.0], [3.0, 2.5]).expect("valid");
-    room.with_pillar([2.0, 0.4], 0.2).expect("valid")
-}
-
 /// One planar ray for each pixel, then its height decides between wall and floor.
-fn bare(room: &Room, pose: Pose2, camera: &DepthCamera, rng: &mut impl Rng) -> Vec<f32> {
+fn bare(room: &RayCaster, pose: Pose2, camera: &DepthCamera, rng: &mut impl Rng) -> Vec<f32> {
     let spec = &camera.spec;
     let (columns, rows) = (spec.column_slopes(), spec.row_slopes());
     let (shift, step) = (spec.disparity_depth(), spec.noise.step);
@@ -41,7 +37,8 @@ fn bare(room: &Room, pose: Pose2, camera: &DepthCamera, rng: &mut impl Rng) -> V
 }
 
 fn image(c: &mut Criterion) {
-    let (room, pose) = (room(), Pose2::new(0.1, 0.2, 0.3));
+    let room = RayCaster::new(&loc_bench::map().expect("the bench map"));
+    let pose = Pose2::new(5.0, 5.0, 0.3);
     let world = Extruded::new(&room, HEIGHT).expect("valid");
     let world = world.with_stripes([[200, 40, 40], [230, 230, 230]]);
     let camera = DepthCamera::new(DepthCameraSpec::xtion_pro()).expect("valid");

@@ -1,26 +1,22 @@
-//! A full scan of a UST-10LX (1081 beams) with noise in a room with pillars, beside the same scan
-//! written out plainly: one ray and one normal number of Box and Muller for each beam. The rays
-//! alone show what is left for the scanner. Then the lines in that scan.
+//! A full scan of a UST-10LX (1081 beams) with noise on the bench map, through the ray caster,
+//! beside the same scan written out plainly: one exact walk over the grid and one normal number of
+//! Box and Muller for each beam. The rays alone show what is left for the scanner. Then the lines
+//! in that scan.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use loc_core::random::stream;
 use loc_core::sampling::box_muller;
 use loc_core::{Pose2, Twist2};
+use loc_maps::{OccupancyGrid, RayCaster};
 use loc_sensors::features::LineExtractor;
 use loc_sensors::laser::{LaserFaults, LaserScanner, LaserSpec};
-use loc_sensors::world::{RangeWorld, Room};
+use loc_sensors::world::RangeWorld;
 use rand::Rng;
 use std::hint::black_box;
 
-fn world() -> Room {
-    let room = Room::new([-4.0, -3.0], [5.0, 6.0]).expect("valid");
-    let room = room.with_pillar([2.0, 1.0], 0.3).expect("valid");
-    room.with_pillar([-1.0, 3.0], 0.2).expect("valid")
-}
-
 /// The plain loop.
-fn bare(world: &Room, pose: Pose2, spec: &LaserSpec, rng: &mut impl Rng) -> Vec<f64> {
+fn bare(world: &OccupancyGrid, pose: Pose2, spec: &LaserSpec, rng: &mut impl Rng) -> Vec<f64> {
     let mut ranges = Vec::with_capacity(spec.beams);
     for k in 0..spec.beams {
         let direction = pose.theta + spec.angle_min + k as f64 * spec.angle_increment;
@@ -32,7 +28,8 @@ fn bare(world: &Room, pose: Pose2, spec: &LaserSpec, rng: &mut impl Rng) -> Vec<
 }
 
 fn scan(c: &mut Criterion) {
-    let (world, pose) = (world(), Pose2::new(0.3, 0.2, 0.4));
+    let grid = loc_bench::map().expect("the bench map");
+    let (world, pose) = (RayCaster::new(&grid), Pose2::new(5.0, 5.0, 0.3));
     let spec = LaserSpec::hokuyo_ust_10lx();
     let scanner = LaserScanner::new(spec).expect("valid");
     let mut rng = stream(1, "laser");
@@ -49,7 +46,7 @@ fn scan(c: &mut Criterion) {
         bencher.iter(|| faulty.scan_moving(black_box(&world), black_box(pose), twist, &mut rng));
     });
     group.bench_function("plain loop", |bencher| {
-        bencher.iter(|| bare(black_box(&world), black_box(pose), &spec, &mut rng));
+        bencher.iter(|| bare(black_box(&grid), black_box(pose), &spec, &mut rng));
     });
     let mut ranges = vec![0.0; spec.beams];
     group.bench_function("the rays alone", |bencher| {

@@ -23,6 +23,9 @@ pub(super) struct ConvertArgs {
     /// Image beside a .yaml file.
     #[arg(long, value_enum, default_value_t = Image::Pgm)]
     pub image: Image,
+    /// Draw the rooms, corridors and doors of a grid over it, in an .svg file.
+    #[arg(long)]
+    pub places: bool,
     /// Cell size of a grid made of lines or points.
     #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true)]
     pub resolution: f64,
@@ -72,7 +75,7 @@ pub(super) fn convert(args: &ConvertArgs, global: &Global) -> anyhow::Result<()>
         let places = TopologicalMap::from_grid(&grid, &Default::default())?;
         loc_core::file::write_whole(out, places.to_toml())?;
     } else if has_extension(out, &["svg"]) {
-        loc_core::file::write_whole(out, picture(&map)?.to_svg())?;
+        loc_core::file::write_whole(out, picture(&map, args.places)?.to_svg())?;
     } else {
         bail!("{}: expected an ending .yaml, .csv, .toml or .svg, got another", out.display());
     }
@@ -103,9 +106,12 @@ fn as_points(map: AnyMap, spacing: f64) -> anyhow::Result<PointMap> {
     })
 }
 
-/// A grid is drawn with its rooms and doors over it.
-fn picture(map: &AnyMap) -> anyhow::Result<MapPicture> {
+fn picture(map: &AnyMap, places: bool) -> anyhow::Result<MapPicture> {
     Ok(match map {
+        AnyMap::Grid(grid) if places => {
+            let places = TopologicalMap::from_grid(grid, &Default::default())?;
+            MapPicture::new().grid(grid).places(&places)
+        }
         AnyMap::Grid(grid) => MapPicture::new().grid(grid),
         AnyMap::Lines(lines) => MapPicture::new().lines(lines),
         AnyMap::Points(points) => MapPicture::new().points(points),
