@@ -4,7 +4,7 @@
 use criterion::Criterion;
 use loc_maps::OccupancyGrid;
 use loc_maps::grid::io;
-use loc_maps::worlds::{self, WorldSize};
+use loc_maps::worlds::{self, WorldSettings};
 use std::path::Path;
 use std::time::Duration;
 
@@ -24,6 +24,9 @@ pub fn criterion() -> Criterion {
 pub fn map() -> loc_maps::Result<OccupancyGrid> {
     match std::env::var_os("LOC_DATA_DIR") {
         Some(folder) => io::load(Path::new(&folder).join("bench/synth.yaml")),
-        None => worlds::office(WorldSize { columns: 2000, rows: 2000, resolution: 0.05 }, 1),
+        None => {
+            let settings = WorldSettings { width: 2000, height: 2000, resolution: 0.05, seed: 1 };
+            Ok(worlds::office(&settings)?.grid)
+        }
     }
 }

@@ -88,6 +88,12 @@ pub enum Error {
         /// Number of rows.
         height: usize,
     },
+    /// No generated world has this name.
+    #[error("world: expected one of {}, got `{found}`", crate::worlds::NAMES.join(", "))]
+    UnknownWorld {
+        /// The name that came.
+        found: String,
+    },
     /// A YAML file cannot be understood.
     #[error("{}:{line}: {message}", file.display())]
     Yaml {

@@ -28,3 +28,4 @@ pub use picture::MapPicture;
 pub use point::PointMap;
 pub use raycast::RayCaster;
 pub use topological::TopologicalMap;
+pub use worlds::{World, WorldSettings};

@@ -51,7 +51,7 @@ impl GridMapper {
         for (pose, scan) in scans {
             mapper.add(*pose, scan)?;
         }
-        mapper.grid()
+        Ok(mapper.grid())
     }
 
     /// Adds a scan taken at `map_from_sensor`. Cells beyond the frame are passed over.
@@ -115,11 +115,8 @@ impl GridMapper {
         self.log_odds[index] = sum.clamp(-self.model.limit, self.model.limit) as f32;
     }
 
-    /// The grid as it is known now: probabilities in percent, -1 where no beam ever was.
-    ///
-    /// # Errors
-    /// Those of [`OccupancyGrid::new`].
-    pub fn grid(&self) -> Result<OccupancyGrid> {
+    /// The grid as it is known now: 100 occupied, 0 free, -1 undecided or never seen.
+    pub fn grid(&self) -> OccupancyGrid {
         let value = |(&log_odds, &touched): (&f32, &u32)| {
             let probability = 1.0 / (1.0 + (-f64::from(log_odds)).exp());
             match touched {
@@ -130,7 +127,7 @@ impl GridMapper {
             }
         };
         let cells = self.log_odds.iter().zip(&self.touched).map(value).collect();
-        OccupancyGrid::new(self.frame, cells)
+        OccupancyGrid::from_valid(self.frame, cells)
     }
 }
 

@@ -2,13 +2,11 @@
 
 use super::GridRay;
 use super::bits::{BitLines, GROUP, MARGIN};
+use super::ray::fan;
 use super::search::Search;
 use crate::grid::{GridFrame, OccupancyGrid};
 use loc_sensors::world::RangeWorld;
 use nalgebra::Point2;
-
-/// After how many rays of a fan the direction is computed anew instead of turned on.
-const TURNS: usize = 32;
 
 /// A grid prepared for casting many rays.
 ///
@@ -118,21 +116,10 @@ impl RangeWorld for RayCaster {
         max_range: f64,
         ranges: &mut [f64],
     ) {
-        if !(first.is_finite() && increment.is_finite()) {
-            return ranges.fill(f64::INFINITY);
-        }
-        let start = self.frame.to_cells(origin);
-        let resolution = self.frame.resolution();
-        let (turn_sin, turn_cos) = increment.sin_cos();
-        for (part, ranges) in ranges.chunks_mut(TURNS).enumerate() {
-            let (sin, cos) = (first + (part * TURNS) as f64 * increment).sin_cos();
-            let mut along = self.frame.turn_to_grid([cos, sin]);
-            for range in ranges {
-                let length = self.cast_in_cells([start.x, start.y], along, max_range / resolution);
-                *range = length.map_or(f64::INFINITY, |length| length * resolution);
-                let [u, v] = along;
-                along = [turn_cos * u - turn_sin * v, turn_sin * u + turn_cos * v];
-            }
-        }
+        let Point2 { coords } = self.frame.to_cells(origin);
+        let (start, resolution) = ([coords.x, coords.y], self.frame.resolution());
+        fan(&self.frame, first, increment, ranges, |along| {
+            Some(self.cast_in_cells(start, along, max_range / resolution)? * resolution)
+        });
     }
 }

@@ -113,3 +113,32 @@ impl GridRay {
         exit(0, cell.column).min(exit(1, cell.row))
     }
 }
+
+/// After how many rays of a fan the direction is computed anew instead of turned on, so that
+/// rounding does not add up.
+const TURNS: usize = 32;
+
+/// Casts a fan: `cast` is called with the direction of each ray in the grid's frame, a unit
+/// vector, and with the place for its range.
+#[inline(always)]
+pub(super) fn fan(
+    frame: &GridFrame,
+    first: f64,
+    increment: f64,
+    ranges: &mut [f64],
+    cast: impl Fn([f64; 2]) -> Option<f64>,
+) {
+    if !(first.is_finite() && increment.is_finite()) {
+        return ranges.fill(f64::INFINITY);
+    }
+    let (sin, cos) = increment.sin_cos();
+    for (part, ranges) in ranges.chunks_mut(TURNS).enumerate() {
+        let (y, x) = (first + (part * TURNS) as f64 * increment).sin_cos();
+        let mut along = frame.turn_to_grid([x, y]);
+        for range in ranges {
+            *range = cast(along).unwrap_or(f64::INFINITY);
+            let [u, v] = along;
+            along = [cos * u - sin * v, sin * u + cos * v];
+        }
+    }
+}

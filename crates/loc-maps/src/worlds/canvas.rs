@@ -1,124 +1,117 @@
-//! Drawing into a grid in metres.
+//! Drawing in metres on what becomes a grid.
 
-use super::WorldSize;
-use crate::Result;
-use crate::grid::{GridFrame, OccupancyGrid};
+use super::{World, WorldSettings};
+use crate::grid::{GridFrame, Occupancy};
+use crate::{Bounds, Landmark, LandmarkMap, OccupancyGrid, Result};
 use loc_core::Pose2;
+use nalgebra::Point2;
 
-/// Thickness of walls \[m\].
-pub(super) const WALL: f64 = 0.15;
-
-/// A rectangle \[m\].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rect {
-    pub(super) left: f64,
-    pub(super) bottom: f64,
-    pub(super) right: f64,
-    pub(super) top: f64,
-}
-
-/// A world being drawn; coordinates in metres from its lower-left corner.
-#[derive(Debug)]
+/// Cells to draw on, all unknown at first.
+///
+/// Worlds are drawn lying: x along the longer side, from (0, 0) at a corner. Where the grid stands
+/// upright, the canvas swaps the axes.
 pub(super) struct Canvas {
-    frame: GridFrame,
+    width: usize,
+    height: usize,
+    resolution: f64,
+    upright: bool,
     cells: Vec<i8>,
-    pub(super) width: f64,
-    pub(super) height: f64,
-}
-
-impl Rect {
-    pub(super) fn new(left: f64, bottom: f64, width: f64, height: f64) -> Self {
-        Rect { left, bottom, right: left + width, top: bottom + height }
-    }
-
-    pub(super) fn width(&self) -> f64 {
-        self.right - self.left
-    }
-
-    pub(super) fn height(&self) -> f64 {
-        self.top - self.bottom
-    }
-
-    pub(super) fn overlaps(&self, other: &Rect) -> bool {
-        self.left < other.right
-            && other.left < self.right
-            && self.bottom < other.top
-            && other.bottom < self.top
-    }
-
-    /// The rectangle made smaller on all sides; larger for a negative margin.
-    pub(super) fn inset(&self, margin: f64) -> Rect {
-        Rect {
-            left: self.left + margin,
-            bottom: self.bottom + margin,
-            right: self.right - margin,
-            top: self.top - margin,
-        }
-    }
 }
 
 impl Canvas {
-    /// An empty world of at least `least` \[m\] in width and height.
-    pub(super) fn new(size: WorldSize, origin: Pose2, least: (f64, f64)) -> Result<Self> {
-        let frame = GridFrame::new(size.columns, size.rows, size.resolution, origin)?;
-        let (width, height) =
-            (size.columns as f64 * size.resolution, size.rows as f64 * size.resolution);
-        let too_small =
-            |what, expected, found| loc_core::Error::OutOfRange { what, expected, found };
-        if size.resolution > 0.5 * WALL {
-            let expected = "at most 0.075, half a wall";
-            return Err(too_small("resolution of a world [m]", expected, size.resolution).into());
+    pub(super) fn new(settings: &WorldSettings) -> Result<Self> {
+        settings.checked()?;
+        let &WorldSettings { width, height, resolution, .. } = settings;
+        let cells = vec![Occupancy::Unknown.value(); width * height];
+        Ok(Canvas { width, height, resolution, upright: height > width, cells })
+    }
+
+    /// All that can be drawn on \[m\].
+    pub(super) fn area(&self) -> Bounds {
+        let corner = Point2::new(self.width as f64, self.height as f64) * self.resolution;
+        Bounds { min: Point2::origin(), max: self.turned(corner) }
+    }
+
+    /// A thickness \[m\], but two cells at least.
+    pub(super) fn thickness(&self, wanted: f64) -> f64 {
+        wanted.max(2.0 * self.resolution)
+    }
+
+    /// The distance \[m\] to keep from the border: the wanted one, less in a world that is small.
+    pub(super) fn margin(&self, wanted: f64) -> f64 {
+        wanted.min(0.06 * self.area().height())
+    }
+
+    /// Gives all cells with their centres in a box one class.
+    pub(super) fn fill(&mut self, bounds: &Bounds, class: Occupancy) {
+        let [left, bottom] = self.first_cell(bounds.min);
+        let [right, top] = self.first_cell(bounds.max);
+        for row in self.cells.chunks_exact_mut(self.width).take(top).skip(bottom) {
+            if let Some(cells) = row.get_mut(left..right) {
+                cells.fill(class.value());
+            }
         }
-        if width < least.0 {
-            return Err(too_small("width of the world [m]", "room for its parts", width).into());
-        }
-        if height < least.1 {
-            return Err(too_small("height of the world [m]", "room for its parts", height).into());
-        }
-        Ok(Canvas { frame, cells: vec![0; frame.cell_count()], width, height })
     }
 
-    /// Gives all cells whose centre lies in a rectangle a value.
-    pub(super) fn fill(&mut self, rect: Rect, value: i8) {
-        self.paint(rect, value, |_, _| true);
-    }
-
-    /// The same for a disc.
-    pub(super) fn disc(&mut self, x: f64, y: f64, radius: f64, value: i8) {
-        let rect = Rect::new(x - radius, y - radius, 2.0 * radius, 2.0 * radius);
-        self.paint(rect, value, |u, v| (u - x).hypot(v - y) <= radius);
-    }
-
-    /// A wall all round the inside of a rectangle.
-    pub(super) fn frame(&mut self, rect: Rect, value: i8) {
-        let Rect { left, bottom, .. } = rect;
-        self.fill(Rect::new(left, bottom, rect.width(), WALL), value);
-        self.fill(Rect::new(left, rect.top - WALL, rect.width(), WALL), value);
-        self.fill(Rect::new(left, bottom, WALL, rect.height()), value);
-        self.fill(Rect::new(rect.right - WALL, bottom, WALL, rect.height()), value);
-    }
-
-    /// The whole world.
-    pub(super) fn whole(&self) -> Rect {
-        Rect::new(0.0, 0.0, self.width, self.height)
-    }
-
-    pub(super) fn into_grid(self) -> OccupancyGrid {
-        OccupancyGrid::from_valid(self.frame, self.cells)
-    }
-
-    fn paint(&mut self, rect: Rect, value: i8, holds: impl Fn(f64, f64) -> bool) {
-        let resolution = self.frame.resolution();
-        let first = |edge: f64| (edge / resolution - 0.5).ceil().max(0.0) as usize;
-        let columns = first(rect.left)..first(rect.right).min(self.frame.width());
-        for row in first(rect.bottom)..first(rect.top).min(self.frame.height()) {
-            for column in columns.clone() {
-                let center = |k: usize| (k as f64 + 0.5) * resolution;
-                let cell = self.cells.get_mut(row * self.frame.width() + column);
-                if let Some(cell) = cell.filter(|_| holds(center(column), center(row))) {
-                    *cell = value;
+    /// Gives all cells with their centres in a disc one class.
+    pub(super) fn disc(&mut self, center: Point2<f64>, radius: f64, class: Occupancy) {
+        let bounds = Bounds { min: center, max: center }.grown(radius);
+        let [left, bottom] = self.first_cell(bounds.min);
+        let [right, top] = self.first_cell(bounds.max);
+        let center = self.turned(center) / self.resolution;
+        for row in bottom..top {
+            for column in left..right {
+                let cell = Point2::new(column as f64 + 0.5, row as f64 + 0.5);
+                if nalgebra::distance(&cell, &center) * self.resolution <= radius {
+                    self.cells[row * self.width + column] = class.value();
                 }
             }
         }
     }
+
+    /// Overwrites the half with the greater y with the other one, turned by 180 degrees.
+    pub(super) fn repeat_turned(&mut self) {
+        let count = self.cells.len();
+        for first in 0..count / 2 {
+            let second = count - 1 - first;
+            let in_order = !self.upright || first % self.width <= second % self.width;
+            let [from, to] = if in_order { [first, second] } else { [second, first] };
+            self.cells[to] = self.cells[from];
+        }
+    }
+
+    /// What was drawn, as a world whose lower-left corner is the map's origin.
+    pub(super) fn into_world(self, name: &'static str, marks: &[Mark]) -> Result<World> {
+        let landmarks = marks.iter().zip(1..).map(|(mark, id)| {
+            let Point2 { coords } = self.turned(mark.position);
+            Landmark { id, position: [coords.x, coords.y, mark.height].into() }
+        });
+        let landmarks = LandmarkMap::new(landmarks)?;
+        let frame = GridFrame::new(self.width, self.height, self.resolution, Pose2::IDENTITY)?;
+        Ok(World { name, grid: OccupancyGrid::new(frame, self.cells)?, landmarks })
+    }
+
+    /// The first column and the first row whose centres are not before a point.
+    fn first_cell(&self, point: Point2<f64>) -> [usize; 2] {
+        let point = self.turned(point) / self.resolution;
+        // The casts saturate at 0.
+        let [column, row] = [point.x, point.y].map(|along| (along - 0.5).ceil() as usize);
+        [column.min(self.width), row.min(self.height)]
+    }
+
+    fn turned(&self, point: Point2<f64>) -> Point2<f64> {
+        if self.upright { Point2::new(point.y, point.x) } else { point }
+    }
+}
+
+/// A landmark to be: its place \[m\], still without a number.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Mark {
+    pub(super) position: Point2<f64>,
+    pub(super) height: f64,
+}
+
+/// The box between two places along x and two along y.
+pub(super) fn bounds(x: [f64; 2], y: [f64; 2]) -> Bounds {
+    Bounds { min: Point2::new(x[0], y[0]), max: Point2::new(x[1], y[1]) }
 }

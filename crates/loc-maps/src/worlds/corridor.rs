@@ -1,39 +1,80 @@
-//! The corridor: long, straight, and nearly the same everywhere.
+//! A long corridor that looks the same every few metres.
 
-use super::WorldSize;
-use super::canvas::{Canvas, Rect, WALL};
+use super::canvas::{Canvas, bounds};
+use super::{World, WorldSettings, between, chance};
 use crate::Result;
-use crate::grid::{OccupancyGrid, UNKNOWN};
-use loc_core::Pose2;
+use crate::grid::Occupancy;
 use loc_core::random::stream;
-use rand::RngExt;
+use rand::Rng;
 
-const WIDTH: f64 = 2.4;
-const NICHE: (f64, f64) = (1.0, 0.25);
+const WIDTH: f64 = 2.0;
+const WALL: f64 = 0.2;
+const MARGIN: f64 = 0.5;
+const DOOR: f64 = 1.0;
+/// How deep a closed door stands in the wall \[m\].
+const DOOR_DEPTH: f64 = 0.12;
+/// A niche to sit in: width along the wall and depth \[m\].
+const NICHE: [f64; 2] = [1.8, 0.6];
 
-/// A corridor of 2.4 m along the world's x axis, closed at both ends, with a door in a niche every
-/// 5 m on each side; one niche in four is walled up, which is all that tells places apart. What
-/// lies behind its walls is unknown.
+/// A corridor 2 m wide along the whole grid, with closed doors on both sides.
+///
+/// The doors come at one distance of 3.5 m to 5 m, so a robot sees how far it is from the walls
+/// but not along which door it passes; only the ends, and up to three niches in place of doors,
+/// tell. There are no landmarks.
 ///
 /// # Errors
-/// [`loc_core::Error::OutOfRange`] for less than 6 m x 3.5 m and for cells of more than 7.5 cm.
-pub fn corridor(size: WorldSize, seed: u64) -> Result<OccupancyGrid> {
-    let mut canvas = Canvas::new(size, Pose2::IDENTITY, (6.0, 3.5))?;
-    let mut rng = stream(seed, "world/corridor");
-    let (length, middle) = (canvas.width, 0.5 * canvas.height);
-    canvas.fill(canvas.whole(), UNKNOWN);
-    let hall = Rect::new(WALL, middle - 0.5 * WIDTH, length - 2.0 * WALL, WIDTH);
-    let mut open = vec![hall];
-    for k in 0..(length / 2.5) as usize {
-        // Doors on the two sides take turns.
-        let (along, above) = (2.5 * k as f64 + 1.0, k % 2 == 0);
-        let bottom = if above { hall.top } else { hall.bottom - NICHE.1 };
-        let niche = Rect::new(along, bottom, NICHE.0, NICHE.1);
-        if !rng.random_bool(0.25) && niche.right < hall.right - WALL {
-            open.push(niche);
+/// As [`by_name`](super::by_name).
+pub fn corridor(settings: &WorldSettings) -> Result<World> {
+    let mut canvas = Canvas::new(settings)?;
+    let mut rng = stream(settings.seed, "world");
+    let wall = canvas.margin(canvas.thickness(WALL));
+    let ends = canvas.margin(MARGIN) + wall;
+    let [from, to] = [ends, canvas.area().max.x - ends];
+    let middle = canvas.area().center().y;
+    // In a low grid the niches take three tenths of the height.
+    let half = (WIDTH / 2.0).min(0.7 * (middle - ends));
+    let deepest = middle - ends - half;
+    let [low, high] = [middle - half, middle + half];
+
+    let mut open = vec![bounds([from, to], [low, high])];
+    let door_depth = canvas.thickness(DOOR_DEPTH);
+    for (places, above) in places(from, to, &mut rng) {
+        for Place { at, niche } in places {
+            let [width, depth] = if niche { NICHE } else { [DOOR, door_depth] };
+            let depth = depth.min(deepest);
+            let side = if above { [high, high + depth] } else { [low - depth, low] };
+            open.push(bounds([at - width / 2.0, at + width / 2.0], side));
         }
     }
-    open.iter().for_each(|part| canvas.fill(part.inset(-WALL), 100));
-    open.iter().for_each(|part| canvas.fill(*part, 0));
-    Ok(canvas.into_grid())
+    for part in &open {
+        canvas.fill(&part.grown(wall), Occupancy::Occupied);
+    }
+    for part in &open {
+        canvas.fill(part, Occupancy::Free);
+    }
+    canvas.into_world("corridor", &[])
+}
+
+/// A door, or a niche in place of one, by its middle \[m\].
+struct Place {
+    at: f64,
+    niche: bool,
+}
+
+/// The places along both sides, below and above.
+fn places(from: f64, to: f64, rng: &mut impl Rng) -> [(Vec<Place>, bool); 2] {
+    let step = between(rng, 3.5, 5.0);
+    let first = from + between(rng, 1.5, step);
+    // Across from a door is another one, or the wall between two.
+    let shift = if chance(rng, 0.5) { step / 2.0 } else { 0.0 };
+    let count = ((to - 1.5 - first - shift) / step).floor() + 1.0;
+    let count = count as usize;
+    let niches = [0, 1, 2].map(|_| (between(rng, 0.0, count as f64) as usize, chance(rng, 0.5)));
+    [(0.0, false), (shift, true)].map(|(shift, above)| {
+        let place = |k: usize| Place {
+            at: first + shift + step * k as f64,
+            niche: niches.contains(&(k, above)),
+        };
+        ((0..count).map(place).collect(), above)
+    })
 }

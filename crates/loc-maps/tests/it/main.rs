@@ -8,11 +8,13 @@ mod grid;
 mod landmark;
 mod likelihood_field;
 mod line;
+#[cfg(feature = "map-server")]
 mod map_server;
 mod mapping;
 mod picture;
 mod point;
 mod raycast;
+#[cfg(feature = "map-server")]
 mod real_maps;
 mod topological;
 mod worlds;

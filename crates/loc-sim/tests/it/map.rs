@@ -73,8 +73,8 @@ fn a_made_world_is_looked_at_and_converted() {
 fn worlds_come_by_name_and_seed() {
     let folder = TempDir::new().unwrap();
     let path = folder.path();
-    for world in ["corridor", "hall-of-mirrors", "soccer-field"] {
-        stdout(&map(path, &["make", world, "--size", "300", "--out", world]));
+    for world in ["corridor", "hall-of-mirrors", "soccer-field", "office"] {
+        stdout(&map(path, &["make", world, "--out", world]));
         assert!(path.join(world).join(format!("{world}.yaml")).is_file());
     }
     assert!(path.join("soccer-field/landmarks.csv").is_file());

@@ -53,15 +53,23 @@ fn grey(picture: DynamicImage) -> Grey {
             let opaque = image.pixels().map(|pixel| pixel.0[1] == u16::MAX).collect();
             (Samples::Words(luma), u16::MAX, Some(opaque))
         }
+        // Of colours the sum of the channels, so that their mean needs no rounding.
+        DynamicImage::ImageRgb8(image) => {
+            let sums = image.pixels().map(|pixel| sum(pixel.0)).collect();
+            (Samples::Words(sums), 3 * 255, None)
+        }
         colored => {
             let image = colored.into_rgba8();
-            // The sum of the channels, so that their mean needs no rounding.
-            let sum = |[r, g, b, _]: [u8; 4]| u16::from(r) + u16::from(g) + u16::from(b);
-            let sums = image.pixels().map(|pixel| sum(pixel.0)).collect();
+            let of_colors = |[r, g, b, _]: [u8; 4]| sum([r, g, b]);
+            let sums = image.pixels().map(|pixel| of_colors(pixel.0)).collect();
             let opaque = image.pixels().map(|pixel| pixel.0[3] == u8::MAX).collect();
             (Samples::Words(sums), 3 * 255, Some(opaque))
         }
     }
+}
+
+fn sum([red, green, blue]: [u8; 3]) -> u16 {
+    u16::from(red) + u16::from(green) + u16::from(blue)
 }
 
 fn undecodable(file: &Path, error: &ImageError) -> Error {

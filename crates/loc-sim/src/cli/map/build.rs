@@ -91,7 +91,7 @@ fn occupancy(args: &BuildArgs, scans: &[(Pose2, LaserScan)]) -> anyhow::Result<O
     for (pose, scan) in scans {
         mapper.add(*pose, scan)?;
     }
-    Ok(mapper.grid()?)
+    Ok(mapper.grid())
 }
 
 fn scan_map(args: &BuildArgs, scans: &[(Pose2, LaserScan)]) -> anyhow::Result<PointMap> {
