@@ -4,11 +4,11 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use loc_maps::grid::io::{self, ImageFormat, Mode};
-use loc_maps::worlds::{self, WorldSize};
+use loc_maps::worlds::{self, WorldSettings};
 
 fn load(c: &mut Criterion) {
-    let size = WorldSize { columns: 4000, rows: 4000, resolution: 0.05 };
-    let office = worlds::office(size, 1).expect("valid");
+    let size = WorldSettings { width: 4000, height: 4000, ..WorldSettings::default() };
+    let office = worlds::office(&size).expect("valid").grid;
     let folder = tempfile::tempdir().expect("a folder");
     let mut group = c.benchmark_group("map-io/4000x4000");
     group.sample_size(10);

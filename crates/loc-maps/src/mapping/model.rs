@@ -45,7 +45,8 @@ impl InverseSensorModel {
 }
 
 impl Default for InverseSensorModel {
-    /// A hit weighs twice as much as a miss, and three beams decide.
+    /// A hit weighs twice as much as a miss; one beam decides where others are silent, and
+    /// a hit and a miss leave a cell undecided.
     fn default() -> Self {
         InverseSensorModel {
             hit: 0.85,
@@ -54,7 +55,7 @@ impl Default for InverseSensorModel {
             max_range: 30.0,
             clear_without_return: 0.0,
             occupied: 0.65,
-            free: 0.196,
+            free: 0.45,
         }
     }
 }

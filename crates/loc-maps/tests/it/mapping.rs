@@ -46,7 +46,7 @@ fn evidence_adds_up_and_can_turn() {
         mapper.grid().occupancy(Cell::new(3, 0))
     };
     assert_eq!(cell(3.2, 1), Occupancy::Occupied);
-    // 0.85 - 2 * 0.4 = 0.05: undecided; with three more it is free.
+    // 0.85 - 2 * 0.4 = 0.05: undecided; with four more it is free.
     assert_eq!(cell(5.2, 2), Occupancy::Unknown);
     assert_eq!(cell(5.2, 4), Occupancy::Free);
     // However often it was seen free, the limit lets it change its mind: -2 + 4 * 0.85 = 1.4.
