@@ -1,6 +1,7 @@
 //! TOML with changes from the command line, and errors that name file, line and key.
 
 use crate::{Error, Result};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
@@ -15,6 +16,22 @@ pub(crate) fn parse<T: DeserializeOwned>(file: &str, text: &str, changes: &[Stri
         apply(&mut config, change).map_err(|message| error("--set", &message))?;
     }
     let file = format!("{file} with --set {}", changes.join(" --set "));
+    config.try_into().map_err(|e: toml::de::Error| error(&file, e.message()))
+}
+
+/// Settings after changes of the form `key.subkey=value`; `name` says whose they are.
+pub(crate) fn changed<T>(name: &str, settings: T, changes: &[String]) -> Result<T>
+where
+    T: Serialize + DeserializeOwned,
+{
+    if changes.is_empty() {
+        return Ok(settings);
+    }
+    let file = format!("{name} with --set {}", changes.join(" --set "));
+    let mut config = Value::try_from(&settings).map_err(|e| error(&file, &e.to_string()))?;
+    for change in changes {
+        apply(&mut config, change).map_err(|message| error("--set", &message))?;
+    }
     config.try_into().map_err(|e: toml::de::Error| error(&file, e.message()))
 }
 

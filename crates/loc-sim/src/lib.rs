@@ -11,6 +11,7 @@ pub mod output;
 pub mod record;
 pub mod runner;
 pub mod scenario;
+pub mod sense;
 pub mod source;
 
 pub use error::{Error, Result};

@@ -96,7 +96,7 @@ impl GridRay {
 
     /// The length at which the ray enters a cell that it passes.
     #[inline]
-    pub(super) fn entry_of(&self, cell: [usize; 2]) -> f64 {
+    pub(crate) fn entry_of(&self, cell: [usize; 2]) -> f64 {
         self.entry(0, cell[0]).max(self.entry(1, cell[1])).max(self.enter)
     }
 

@@ -4,6 +4,7 @@
 mod convert;
 mod distance;
 mod extract;
+mod extruded;
 mod grid;
 mod landmark;
 mod likelihood_field;

@@ -6,6 +6,7 @@ pub mod map;
 mod progress;
 pub mod replay;
 pub mod run;
+pub mod sense;
 mod show;
 
 use clap::{Parser, Subcommand};
@@ -41,6 +42,7 @@ enum Command {
     Replay(replay::ReplayArgs),
     Eval(eval::EvalArgs),
     Map(map::MapArgs),
+    Sense(sense::SenseArgs),
 }
 
 impl Cli {
@@ -56,6 +58,7 @@ impl Cli {
             Some(Command::Replay(args)) => replay::replay(args, &self.global),
             Some(Command::Eval(args)) => eval::run(args, &self.global),
             Some(Command::Map(args)) => map::map(args, &self.global),
+            Some(Command::Sense(args)) => sense::sense(args, &self.global),
         }
     }
 }

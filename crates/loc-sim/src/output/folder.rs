@@ -8,13 +8,18 @@ use std::path::Path;
 /// Files in memory, by name.
 #[derive(Debug, Clone, Default)]
 pub struct Folder {
-    files: Vec<(String, String)>,
+    files: Vec<(String, Vec<u8>)>,
 }
 
 impl Folder {
-    /// Adds a file.
+    /// Adds a text file.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) {
-        self.files.push((name.into(), text.into()));
+        self.add_bytes(name, text.into());
+    }
+
+    /// Adds a file of any kind, such as an image.
+    pub fn add_bytes(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
+        self.files.push((name.into(), bytes.into()));
     }
 
     /// The names of the files.
@@ -22,9 +27,14 @@ impl Folder {
         self.files.iter().map(|(name, _)| name.as_str())
     }
 
-    /// The text of a file.
+    /// The text of a file; `None` where there is no such file, or one that is no text.
     pub fn text(&self, name: &str) -> Option<&str> {
-        self.files.iter().find(|(known, _)| known == name).map(|(_, text)| text.as_str())
+        self.bytes(name).and_then(|bytes| std::str::from_utf8(bytes).ok())
+    }
+
+    /// The content of a file.
+    pub fn bytes(&self, name: &str) -> Option<&[u8]> {
+        self.files.iter().find(|(known, _)| known == name).map(|(_, bytes)| bytes.as_slice())
     }
 
     /// Writes the files into `path`, which is made where it is missing.
@@ -46,14 +56,14 @@ impl Folder {
 
     fn write_through(&self, staging: &Path, path: &Path) -> Result<()> {
         fs::create_dir_all(staging).map_err(Error::io(staging))?;
-        for (name, text) in &self.files {
+        for (name, bytes) in &self.files {
             let file = staging.join(name);
-            fs::write(&file, text).map_err(Error::io(&file))?;
+            fs::write(&file, bytes).map_err(Error::io(&file))?;
         }
         for entry in fs::read_dir(path).map_err(Error::io(path))? {
             let entry = entry.map_err(Error::io(path))?;
             let name = entry.file_name().to_string_lossy().into_owned();
-            if is_ours(&name) && self.text(&name).is_none() {
+            if is_ours(&name) && self.bytes(&name).is_none() {
                 fs::remove_file(entry.path()).map_err(Error::io(entry.path()))?;
             }
         }

@@ -16,3 +16,4 @@ mod metrics;
 mod mrclam;
 mod recordings;
 mod scenarios;
+mod sense;

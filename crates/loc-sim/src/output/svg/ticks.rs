@@ -90,6 +90,11 @@ pub fn linear_ticks(min: f64, max: f64, at_most: usize) -> Vec<Tick> {
     if !span.is_finite() || span <= 0.0 {
         return Vec::new();
     }
+    // A finer step may fit all the same, where the ends of the axis lie between ticks.
+    let finer = Step::at_least(span / (at_most.max(2) + 1) as f64).ticks(min, max);
+    if finer.len() <= at_most {
+        return finer;
+    }
     Step::at_least(span / (at_most.max(2) - 1) as f64).ticks(min, max)
 }
 

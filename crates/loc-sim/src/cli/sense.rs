@@ -1,0 +1,118 @@
+//! `loc-sim sense`: one sensor, simulated and drawn.
+
+use super::Global;
+use crate::sense::{Reading, Request, SENSORS, sense as simulate};
+use anyhow::Context;
+use loc_core::Pose2;
+use std::path::{Path, PathBuf};
+
+/// Simulate a sensor in a map and draw what it reads.
+#[derive(Debug, Clone, clap::Args)]
+pub struct SenseArgs {
+    /// The sensor; `--list` names them.
+    #[arg(value_name = "SENSOR", required_unless_present = "list")]
+    pub sensor: Option<String>,
+    /// Print the sensors and their presets.
+    #[arg(long)]
+    pub list: bool,
+    /// Data sheet of the sensor; its first preset where left out.
+    #[arg(long, value_name = "NAME")]
+    pub preset: Option<String>,
+    /// A map of map_server to stand in.
+    #[arg(long, value_name = "MAP.yaml", conflicts_with = "world")]
+    pub map: Option<PathBuf>,
+    /// A built-in world to stand in.
+    #[arg(long, value_name = "NAME")]
+    pub world: Option<String>,
+    /// Where the robot stands or starts, in metres and degrees; a place with a view where left out.
+    #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
+    pub pose: Option<String>,
+    /// Seed of all random draws.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// A setting of the sensor to change; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub changes: Vec<String>,
+    /// The folder to write; out/sense-SENSOR where left out.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Simulates a sensor, writes its folder and prints its figures.
+///
+/// # Errors
+/// What is wrong with the names, the map, the pose or the settings, and what writing reports.
+pub fn sense(args: &SenseArgs, global: &Global) -> anyhow::Result<()> {
+    let Some(sensor) = args.sensor.as_deref().filter(|_| !args.list) else {
+        return list(global);
+    };
+    let request = Request {
+        sensor: sensor.into(),
+        preset: args.preset.clone(),
+        map: args.map.clone(),
+        world: args.world.clone(),
+        pose: args.pose.as_deref().map(parse_pose).transpose()?,
+        seed: args.seed,
+        changes: args.changes.clone(),
+    };
+    let reading = simulate(&request)?;
+    let folder = args.out.clone().unwrap_or_else(|| {
+        let name = format!("sense-{sensor}");
+        Path::new("out").join(name)
+    });
+    reading.folder.write(&folder).context("cannot write the reading")?;
+    if global.quiet {
+        return Ok(());
+    }
+    if global.json {
+        return super::print(&serde_json::to_string_pretty(&reading.summary)?);
+    }
+    super::print(&table(&reading))?;
+    super::print(&format!("written to {}", folder.display()))
+}
+
+fn list(global: &Global) -> anyhow::Result<()> {
+    if global.json {
+        let preset =
+            |(name, about): &(&str, &str)| serde_json::json!({"name": name, "about": about});
+        let sensors: Vec<_> = SENSORS
+            .iter()
+            .map(|sensor| {
+                let presets: Vec<_> = sensor.presets.iter().map(preset).collect();
+                serde_json::json!({"name": sensor.name, "about": sensor.about, "presets": presets})
+            })
+            .collect();
+        return super::print(&serde_json::to_string_pretty(&sensors)?);
+    }
+    for sensor in &SENSORS {
+        super::print(&format!("{:<15} {}", sensor.name, sensor.about))?;
+        for (name, about) in sensor.presets {
+            super::print(&format!("  {name:<19} {about}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// The figures, a line each.
+fn table(reading: &Reading) -> String {
+    let mut lines = vec![reading.title.clone()];
+    for (name, value) in &reading.results {
+        let value = match value.as_f64() {
+            Some(number) if value.is_f64() => format!("{number:.4}"),
+            _ if value.is_null() => "-".to_owned(),
+            _ => value.to_string(),
+        };
+        lines.push(format!("{name:<28} {value:>12}"));
+    }
+    lines.join("\n")
+}
+
+fn parse_pose(text: &str) -> crate::Result<Pose2> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, degrees]) if x.is_finite() && y.is_finite() && degrees.is_finite() => {
+            Ok(Pose2::new(x, y, degrees.to_radians()))
+        }
+        _ => Err(crate::config::field("--pose", "three finite numbers x,y,deg", text)),
+    }
+}

@@ -1,0 +1,129 @@
+//! Images side by side, such as what a camera sees, with the meaning of their colours.
+
+use super::WIDTH;
+use super::axis::{Axis, TICK_SIZE};
+use super::frame::LABEL_SIZE;
+use super::header::{self, Legend};
+use super::style::Paint;
+use super::text::{self, Anchor};
+use super::writer::{Element, Writer};
+
+const LEFT: f64 = 14.0;
+const GAP: f64 = 14.0;
+/// Height and distance of the bar that explains colours \[px\].
+const BAR: f64 = 11.0;
+
+/// Images in rows, with a title, captions and colour bars. The colours of photographs stay as they
+/// are in dark surroundings.
+#[derive(Debug, Clone, Default)]
+pub struct Pictures {
+    title: String,
+    subtitle: String,
+    rows: Vec<Vec<Picture>>,
+}
+
+/// An image with a caption.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// What it shows.
+    pub caption: String,
+    /// The image as a data URI: `data:image/png;base64,...`.
+    pub data_uri: String,
+    /// Width by height.
+    pub aspect: f64,
+    /// What its colours mean, where they mean something.
+    pub bar: Option<ColorBar>,
+}
+
+/// What colours mean: the numbers from the left to the right end of a strip of colours.
+#[derive(Debug, Clone)]
+pub struct ColorBar {
+    /// The strip as a data URI.
+    pub data_uri: String,
+    /// The number at the left end.
+    pub low: f64,
+    /// The number at the right end.
+    pub high: f64,
+    /// The quantity with its unit: `depth [m]`.
+    pub name: String,
+}
+
+impl Pictures {
+    /// A figure without images.
+    pub fn new(title: impl Into<String>) -> Self {
+        Pictures { title: title.into(), ..Pictures::default() }
+    }
+
+    /// A line under the title, in smaller letters.
+    #[must_use]
+    pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
+        self.subtitle = subtitle.into();
+        self
+    }
+
+    /// Adds images side by side, below those before; they share the width evenly.
+    #[must_use]
+    pub fn row(mut self, pictures: impl IntoIterator<Item = Picture>) -> Self {
+        self.rows.push(pictures.into_iter().collect());
+        self
+    }
+
+    /// The SVG file.
+    pub fn render(&self) -> String {
+        let mut writer = Writer::default();
+        let mut top =
+            header::draw(&mut writer, &self.title, &self.subtitle, &Legend::default()) + 8.0;
+        for row in self.rows.iter().filter(|row| !row.is_empty()) {
+            let count = row.len() as f64;
+            let width = (WIDTH - 2.0 * LEFT - (count - 1.0) * GAP) / count;
+            let ends = row.iter().enumerate().map(|(k, picture)| {
+                let left = LEFT + k as f64 * (width + GAP);
+                draw(&mut writer, picture, left, top, width)
+            });
+            top = ends.fold(top, f64::max) + 10.0;
+        }
+        writer.finish(&self.title, top)
+    }
+}
+
+/// Draws an image with its caption above it; returns where it ends \[px\].
+fn draw(writer: &mut Writer, picture: &Picture, left: f64, top: f64, width: f64) -> f64 {
+    let caption = text::shorten(&picture.caption, LABEL_SIZE, width);
+    let at = (left, top + 14.0);
+    writer.text(text::element(at, LABEL_SIZE, Anchor::Start, Paint::INK), &caption);
+    let top = top + 21.0;
+    let height = (width / picture.aspect).clamp(1.0, 2.0 * WIDTH);
+    image(writer, &picture.data_uri, [left, top, width, height]);
+    match &picture.bar {
+        Some(bar) => draw_bar(writer, bar, left, top + height + 8.0, width),
+        None => top + height,
+    }
+}
+
+fn draw_bar(writer: &mut Writer, bar: &ColorBar, left: f64, top: f64, width: f64) -> f64 {
+    let name = text::width(&bar.name, TICK_SIZE) + 8.0;
+    let width = width - name;
+    image(writer, &bar.data_uri, [left, top, width, BAR]);
+    let axis = Axis::linear((bar.low, bar.high), (left, left + width)).across();
+    for tick in &axis.ticks {
+        let half = 0.5 * text::width(&tick.label, TICK_SIZE);
+        let x = axis.px(tick.value).clamp(left + half, left + width - half);
+        let element = text::element((x, top + BAR + 14.0), TICK_SIZE, Anchor::Middle, Paint::MUTED);
+        writer.text(element, &tick.label);
+    }
+    let at = (left + width + 8.0, top + BAR - 1.0);
+    writer.text(text::element(at, TICK_SIZE, Anchor::Start, Paint::MUTED), &bar.name);
+    top + BAR + 20.0
+}
+
+fn image(writer: &mut Writer, data_uri: &str, [left, top, width, height]: [f64; 4]) {
+    let place = |element: Element| {
+        element.num("x", left).num("y", top).num("width", width).num("height", height)
+    };
+    // Anything but an image in the file itself would need the network.
+    if data_uri.starts_with("data:image/") {
+        let element = place(Element::new("image")).attr("preserveAspectRatio", "none");
+        writer.add(element.attr("href", data_uri));
+    }
+    writer.add(place(Element::new("rect")).no_fill().stroke(Paint::EDGE, 1.0));
+}
