@@ -36,9 +36,11 @@ pub(crate) fn correct<const N: usize, const M: usize>(
     if innovation.accepted {
         let gain = factor.solve_right(p_ht);
         let kept = SMatrix::<f64, N, N>::identity() - times(&gain, h);
+        // (I - K H) P, with the product H P that is known already.
+        let kept_p = times_transposed(&-gain, &p_ht, *p);
         let noise = times_transposed(&times(&gain, r), &gain, SMatrix::zeros());
         belief.mean += gain * innovation.residual;
-        belief.covariance = mirrored(times_transposed(&times(&kept, p), &kept, noise));
+        belief.covariance = mirrored(times_transposed(&kept_p, &kept, noise));
     }
     Ok(innovation)
 }
