@@ -1,8 +1,8 @@
 //! `loc-sim sense`: one sensor, simulated and drawn.
 
 use super::Global;
-use crate::sense::{Reading, Request, SENSORS, sense as simulate};
-use anyhow::Context;
+use crate::sense::{Reading, Request, SENSORS, recorded_scan, sense as simulate};
+use anyhow::{Context, bail};
 use loc_core::Pose2;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +24,12 @@ pub struct SenseArgs {
     /// A built-in world to stand in.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
+    /// A CARMEN log to take a laser scan from, instead of simulating one.
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["preset", "world", "pose", "changes"])]
+    pub log: Option<PathBuf>,
+    /// Which scan of the log, counted from 0.
+    #[arg(long, value_name = "K", default_value_t = 0, requires = "log")]
+    pub scan: usize,
     /// Where the robot stands or starts, in metres and degrees; a place with a view where left out.
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true)]
     pub pose: Option<String>,
@@ -55,7 +61,11 @@ pub fn sense(args: &SenseArgs, global: &Global) -> anyhow::Result<()> {
         seed: args.seed,
         changes: args.changes.clone(),
     };
-    let reading = simulate(&request)?;
+    let reading = match &args.log {
+        Some(_) if sensor != "laser" => bail!("--log: expected the sensor laser, got {sensor}"),
+        Some(log) => recorded_scan(log, args.scan, args.map.as_deref())?,
+        None => simulate(&request)?,
+    };
     let folder = args.out.clone().unwrap_or_else(|| {
         let name = format!("sense-{sensor}");
         Path::new("out").join(name)

@@ -1,10 +1,12 @@
 //! A laser scan over the map, and its errors beam by beam.
 
+use super::recorded::lines_over;
 use super::station::{mean, rms};
 use super::{Place, Sensor, Station, Taken};
 use crate::Result;
 use crate::output::svg::{Chart, Figure, Role};
 use loc_core::{Pose2, Twist2};
+use loc_sensors::features::{Line, LineExtractor};
 use loc_sensors::laser::{LaserFaults, LaserNoise, LaserScan, LaserScanner, LaserSpec};
 use loc_sensors::world::{Glazed, Pane, Surface};
 use serde::{Deserialize, Serialize};
@@ -70,6 +72,8 @@ fn take(station: &Station) -> Result<Taken> {
     taken.tell("no_return", count(|range| range == f64::INFINITY));
     taken.tell("too_close", count(|range| range == f64::NEG_INFINITY));
     taken.tell("erroneous", count(f64::is_nan));
+    let lines = LineExtractor::new(spec.noise).extract(&scan).unwrap_or_default();
+    taken.tell("lines", lines.len());
     taken.tell("range_mean_m", mean(scan.beams().map(|beam| beam.range)));
     taken.tell("error_mean_mm", 1e3 * mean(error.iter().copied()));
     taken.tell("error_rms_mm", 1e3 * rms(error.iter().copied()));
@@ -78,7 +82,7 @@ fn take(station: &Station) -> Result<Taken> {
         ["beam", "angle_rad", "range_m", "map_range_m"],
         (0..scan.ranges.len()).map(|k| [k as f64, scan.angle(k), scan.ranges[k], truth.ranges[k]]),
     );
-    taken.folder.add("scan.svg", over_map(station, &settings, pose, &scan));
+    taken.folder.add("scan.svg", over_map(station, &settings, pose, &scan, &lines));
     taken.folder.add("ranges.svg", over_angle(&scan, &truth, &error, station.preset));
     Ok(taken)
 }
@@ -104,7 +108,13 @@ fn errors(scan: &LaserScan, truth: &LaserScan) -> Vec<f64> {
     scan.ranges.iter().zip(&truth.ranges).map(error).collect()
 }
 
-fn over_map(station: &Station, settings: &Settings, pose: Pose2, scan: &LaserScan) -> String {
+fn over_map(
+    station: &Station,
+    settings: &Settings,
+    pose: Pose2,
+    scan: &LaserScan,
+    lines: &[Line],
+) -> String {
     let Settings { mounting, velocity, .. } = *settings;
     let (beams, valid) = (scan.ranges.len(), scan.beams().count());
     let subtitle = format!(
@@ -136,6 +146,7 @@ fn over_map(station: &Station, settings: &Settings, pose: Pose2, scan: &LaserSca
     let ends = scan.points(mounting).map(in_map);
     if velocity == Twist2::ZERO {
         scene = scene.dots(Role::Method(1), "where a beam ended", ends);
+        scene = lines_over(scene, laser, lines);
     } else {
         scene = scene.dots(Role::Method(3), "taken from the first beam's pose", ends);
         let ends = scan.points_of_moving(mounting, velocity).map(in_map);

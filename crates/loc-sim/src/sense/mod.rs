@@ -22,12 +22,14 @@ mod landmarks;
 mod laser;
 mod place;
 mod radar;
+mod recorded;
 mod rgbd;
 mod sonar;
 mod station;
 mod wheels;
 
 pub use place::{Place, WORLDS};
+pub use recorded::recorded_scan;
 pub use station::{Station, Taken};
 
 use crate::output::Folder;

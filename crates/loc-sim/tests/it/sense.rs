@@ -206,3 +206,34 @@ fn the_command_writes_a_folder_or_nothing() {
         assert!(std::fs::read_dir(empty.path()).unwrap().next().is_none());
     }
 }
+
+/// Lines found in a scan of a log: a wall 2 m ahead of the scanner, seen in half a turn.
+#[test]
+fn lines_in_a_recorded_scan_are_drawn() {
+    let folder = TempDir::new().unwrap();
+    let ranges = (0..181).map(|k| {
+        let cos = (f64::from(k) - 90.0).to_radians().cos();
+        format!("{}", (2.0 / cos.max(1e-3)).min(81.9))
+    });
+    let ranges: Vec<String> = ranges.collect();
+    let log = format!("FLASER 181 {} 1 2 0 1 2 0 5.0 host 5.0\n", ranges.join(" "));
+    std::fs::write(folder.path().join("wall.log"), log).unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_loc-sim"));
+        command.current_dir(&folder).args(["sense", "laser", "--log", "wall.log"]);
+        command.args(arguments).output().unwrap()
+    };
+    let output = run(&["--out", "o"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let lines = std::fs::read_to_string(folder.path().join("o/lines.csv")).unwrap();
+    let cells: Vec<f64> =
+        lines.lines().nth(1).unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+    assert!((cells[0] - 2.0).abs() < 1e-3 && cells[1].abs() < 1e-3, "{lines}");
+    let svg = std::fs::read_to_string(folder.path().join("o/scan.svg")).unwrap();
+    assert!(svg.contains("line found"));
+    let missing = run(&["--scan", "1", "--out", "none"]);
+    assert_eq!(missing.status.code(), Some(1));
+    let error = String::from_utf8(missing.stderr).unwrap();
+    assert_eq!(error, "error: wall.log: expected one of its 1 scans, counted from 0, got scan 1\n");
+    assert!(!folder.path().join("none").exists());
+}

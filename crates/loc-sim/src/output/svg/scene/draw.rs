@@ -23,10 +23,11 @@ pub(super) fn draw(scene: &Scene) -> String {
         view.x.ticks.clear();
         view.y.ticks.clear();
     }
+    // The image covers the grid, whose lines would cut through its walls.
+    view.area.draw_grid(&mut writer, &view.x, &view.y);
     if let Some(backdrop) = scene.backdrop.as_ref().filter(|b| b.is_valid()) {
         draw_backdrop(&mut writer, &view, backdrop);
     }
-    view.area.draw_grid(&mut writer, &view.x, &view.y);
     view.area.open_clip(&mut writer, 0.0);
     for item in &scene.items {
         draw_item(&mut writer, &view, item);
