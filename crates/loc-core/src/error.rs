@@ -135,8 +135,11 @@ pub fn probability(what: &'static str, value: f64) -> Result<f64> {
     in_range(what, "a probability in [0, 1]", value, |v| (0.0..=1.0).contains(&v))
 }
 
-/// Checks `value` by a predicate; `expected` says in words what it allows.
-pub(crate) fn in_range(
+/// Checks `found` by a predicate; `expected` says in words what it allows.
+///
+/// # Errors
+/// [`Error::OutOfRange`] where the predicate does not hold.
+pub fn in_range(
     what: &'static str,
     expected: &'static str,
     found: f64,

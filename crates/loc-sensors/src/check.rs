@@ -2,17 +2,8 @@
 
 use crate::{Error, Result};
 use loc_core::Pose2;
+pub(crate) use loc_core::error::in_range;
 use loc_core::error::{finite, non_negative};
-
-/// Checks `found` by a predicate; `expected` says in words what it allows.
-pub(crate) fn in_range(
-    what: &'static str,
-    expected: &'static str,
-    found: f64,
-    allowed: impl Fn(f64) -> bool,
-) -> Result<f64> {
-    if allowed(found) { Ok(found) } else { Err(Error::OutOfRange { what, expected, found }) }
-}
 
 /// Checks that a count lies in 1..=`most`, in words `expected`.
 pub(crate) fn count(
