@@ -15,6 +15,9 @@ pub enum Error {
     /// What a filter reports.
     #[error(transparent)]
     Filter(#[from] loc_filters::Error),
+    /// What a particle filter reports.
+    #[error(transparent)]
+    ParticleFilter(#[from] loc_pf::Error),
     /// A recording whose parts do not fit together.
     #[error("{}: expected {expected}, got {found}", path.display())]
     Recording {

@@ -6,6 +6,8 @@
 
 use loc_core::{Pose2, Twist2};
 use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::laser::LaserScan;
+use std::sync::Arc;
 
 /// Something that became known.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +40,8 @@ pub enum Control {
     Velocity(Twist2),
     /// It accelerates along its rail \[m/s^2\], until told otherwise.
     Acceleration(f64),
+    /// It has moved to this pose of its odometry's frame, whose place in the map is unknown.
+    Odometry(Pose2),
 }
 
 /// What a sensor measured.
@@ -46,6 +50,13 @@ pub enum Control {
 pub enum Measurement {
     /// Landmarks seen at one moment, any number of them.
     Landmarks(Vec<Sighting>),
+    /// A sweep of a laser.
+    Scan {
+        /// The ranges.
+        scan: Arc<LaserScan>,
+        /// Where the laser sits on the robot (`base_from_laser`).
+        mounting: Pose2,
+    },
     /// Position along the rail \[m\], from the sensor with this index.
     RailPosition {
         /// Index of the sensor, counted from 0.

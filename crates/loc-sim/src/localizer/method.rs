@@ -3,10 +3,12 @@
 use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
+use super::mcl::ScanMcl;
 use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::landmark::LandmarkSettings;
+use loc_pf::MclSettings;
 use std::str::FromStr;
 
 /// A method that a run can use.
@@ -19,6 +21,8 @@ pub enum Method {
     Kf,
     /// The extended Kalman filter with landmarks (H2).
     Ekf,
+    /// Monte Carlo localization (M).
+    Mcl,
 }
 
 /// What the methods are told about the robot and its sensors.
@@ -28,6 +32,12 @@ pub struct MethodSettings {
     pub landmark: LandmarkSettings,
     /// For a vehicle on a rail.
     pub rail: RailSettings,
+    /// For the particle filter.
+    pub mcl: MclSettings,
+    /// Whether methods that can find the robot anywhere are not told where it starts.
+    pub global: bool,
+    /// Seed of the methods that draw random numbers.
+    pub seed: u64,
 }
 
 /// What a filter knows about a vehicle on a rail.
@@ -41,7 +51,7 @@ pub struct RailSettings {
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 3] = [Method::DeadReckoning, Method::Kf, Method::Ekf];
+    pub const ALL: [Method; 4] = [Method::DeadReckoning, Method::Kf, Method::Ekf, Method::Mcl];
 
     /// The name, as the command line has it.
     pub fn name(self) -> &'static str {
@@ -49,6 +59,7 @@ impl Method {
             Method::DeadReckoning => "dead-reckoning",
             Method::Kf => "kf",
             Method::Ekf => "ekf",
+            Method::Mcl => "mcl",
         }
     }
 
@@ -65,6 +76,7 @@ impl Method {
             Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings.landmark)?),
             Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
             Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
+            Method::Mcl => Box::new(ScanMcl::new(setup, settings)?),
         })
     }
 }

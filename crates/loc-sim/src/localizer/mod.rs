@@ -4,6 +4,7 @@
 
 mod dead_reckoning;
 mod ekf;
+mod mcl;
 mod method;
 mod rail;
 

@@ -135,6 +135,8 @@ impl Scenario {
         Ok(MethodSettings {
             landmark: filter.apply(sensors)?,
             rail: self.rail.as_ref().map(RailConfig::settings).unwrap_or_default(),
+            seed: self.seed,
+            ..Default::default()
         })
     }
 

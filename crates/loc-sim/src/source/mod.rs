@@ -19,7 +19,7 @@ pub use rail::SimulatedRail;
 use crate::Result;
 use crate::event::Event;
 use loc_core::Gaussian;
-use loc_maps::LandmarkMap;
+use loc_maps::{LandmarkMap, OccupancyGrid};
 use std::sync::Arc;
 
 /// What is known before the first event.
@@ -37,6 +37,8 @@ pub struct Setup {
     pub rail: Option<Gaussian<2>>,
     /// Landmarks at known positions; empty where there are none.
     pub landmarks: Arc<LandmarkMap>,
+    /// The map of the surroundings, where there is one.
+    pub map: Option<Arc<OccupancyGrid>>,
 }
 
 /// A stream of events in order of arrival.

@@ -65,6 +65,7 @@ impl Mrclam {
                 start_belief: Gaussian::certain(start_pose.to_vector()),
                 rail: None,
                 landmarks: Arc::new(landmarks),
+                map: None,
             },
             events: Vec::new().into_iter(),
             unknown_barcodes: 0,

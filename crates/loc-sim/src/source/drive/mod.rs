@@ -62,6 +62,7 @@ impl SimulatedDrive {
             start_belief,
             rail: None,
             landmarks: Arc::new(config.map()?),
+            map: None,
         };
         let camera = match &config.camera {
             None => None,

@@ -43,6 +43,7 @@ impl SimulatedRail {
                 start_belief: along_the_rail(&belief),
                 rail: Some(belief),
                 landmarks: Default::default(),
+                map: None,
             },
             config: config.clone(),
             state,

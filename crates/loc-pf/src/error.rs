@@ -1,0 +1,32 @@
+//! The one error type of this crate.
+
+/// What went wrong, what was expected, what came instead, and where.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// From the foundation and the sensors: numbers out of range, wrong lengths, files.
+    #[error(transparent)]
+    Core(#[from] loc_core::Error),
+    /// From the maps.
+    #[error(transparent)]
+    Maps(#[from] loc_maps::Error),
+    /// The map has no place where a robot could be.
+    #[error("map of {width} x {height} cells: expected free cells, got none")]
+    NoFreeSpace {
+        /// Columns of the map.
+        width: usize,
+        /// Rows of the map.
+        height: usize,
+    },
+    /// The system started no threads.
+    #[error("{threads} threads: {reason}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
+}
+
+/// Shorthand for results of this crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;

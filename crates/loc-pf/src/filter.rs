@@ -1,0 +1,86 @@
+//! The particle filter: sample motion, weight, resample (M1).
+//!
+//! ```
+//! use loc_core::random::stream;
+//! use loc_core::{Gaussian, Pose2, gaussian::pose_belief};
+//! use loc_pf::{Particles, ParticleFilter, Resampling};
+//! let mut rng = stream(1, "filter");
+//! let start = pose_belief(Pose2::IDENTITY, [1.0, 1.0, 0.1]);
+//! let mut filter = ParticleFilter::new(Particles::from_gaussian(&start, 1000, &mut rng), rng);
+//! // A wall 5 m ahead is measured at 4.5 m, give or take 0.1 m.
+//! filter.weigh(&|pose: Pose2| -0.5 * ((5.0 - pose.x - 4.5) / 0.1_f64).powi(2));
+//! filter.normalize();
+//! filter.resample(Resampling::Systematic, 1000);
+//! let mean = filter.particles().poses().x.iter().sum::<f64>() / 1000.0;
+//! assert!((mean - 0.5).abs() < 0.05);
+//! ```
+
+use crate::{Likelihood, Motion, Particles, Resampling, Workers};
+use loc_core::random::ChaCha8Rng;
+
+/// A cloud of particles with its randomness and its threads.
+#[derive(Debug)]
+pub struct ParticleFilter {
+    particles: Particles,
+    /// The particles before the last resampling; kept for its memory.
+    spare: Particles,
+    indices: Vec<u32>,
+    rng: ChaCha8Rng,
+    workers: Workers,
+}
+
+impl ParticleFilter {
+    /// A filter that starts from a cloud and draws from `rng`, on the calling thread.
+    pub fn new(particles: Particles, rng: ChaCha8Rng) -> Self {
+        let (spare, indices) = (Particles::new(), Vec::new());
+        ParticleFilter { particles, spare, indices, rng, workers: Workers::one() }
+    }
+
+    /// The same with other threads; the results stay the same.
+    #[must_use]
+    pub fn with_workers(mut self, workers: Workers) -> Self {
+        self.workers = workers;
+        self
+    }
+
+    /// The cloud.
+    pub fn particles(&self) -> &Particles {
+        &self.particles
+    }
+
+    /// The cloud, to change.
+    pub fn particles_mut(&mut self) -> &mut Particles {
+        &mut self.particles
+    }
+
+    /// The generator that the filter draws from.
+    pub fn rng_mut(&mut self) -> &mut ChaCha8Rng {
+        &mut self.rng
+    }
+
+    /// Samples the motion of every particle (M4).
+    pub fn predict(&mut self, motion: &impl Motion) {
+        self.workers.sample(&mut self.particles, motion, &mut self.rng);
+    }
+
+    /// Multiplies every weight by the likelihood of a measurement at that particle (M5 to M7).
+    pub fn weigh(&mut self, measurement: &impl Likelihood) {
+        self.workers.rate(&mut self.particles, measurement);
+    }
+
+    /// Makes the weights add up to 1; see [`Particles::normalize`].
+    pub fn normalize(&mut self) -> f64 {
+        self.particles.normalize()
+    }
+
+    /// Draws `count` particles in proportion to their weights (M8, M9), which are equal afterwards.
+    pub fn resample(&mut self, scheme: Resampling, count: usize) {
+        if self.particles.is_empty() {
+            return;
+        }
+        let weights = self.particles.log_weights();
+        scheme.draw(weights, count, &mut self.rng, &mut self.indices);
+        std::mem::swap(&mut self.particles, &mut self.spare);
+        self.particles.copy_selected(&self.spare, &self.indices);
+    }
+}

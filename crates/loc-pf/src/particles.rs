@@ -1,0 +1,216 @@
+//! The belief of a particle filter: many poses, each with a weight.
+//!
+//! Coordinates lie apart from each other (structure of arrays), so that loops over the cloud run
+//! through memory in order and take several particles at once. Weights are kept as logarithms:
+//! the product of 720 likelihoods is far below the smallest number, its logarithm is not.
+//!
+//! ```
+//! use loc_core::Pose2;
+//! use loc_pf::Particles;
+//! let mut cloud = Particles::from_poses([Pose2::IDENTITY, Pose2::new(1.0, 0.0, 0.0)]);
+//! cloud.log_weights_mut()[1] = -4000.0;
+//! cloud.normalize();
+//! assert_eq!(cloud.weight(0), 1.0);
+//! assert!((cloud.effective_sample_size() - 1.0).abs() < 1e-9);
+//! ```
+
+use loc_core::{Gaussian, Pose2};
+use rand::Rng;
+
+/// Weighted poses, structure of arrays: 32 bytes a particle.
+///
+/// Headings lie in (-pi, pi]; log weights are finite or -inf, never NaN.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Particles {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    theta: Vec<f64>,
+    log_weight: Vec<f64>,
+}
+
+/// The poses of some particles, to read.
+#[derive(Debug, Clone, Copy)]
+pub struct Poses<'a> {
+    /// Positions \[m\].
+    pub x: &'a [f64],
+    /// Positions \[m\].
+    pub y: &'a [f64],
+    /// Headings \[rad\], in (-pi, pi].
+    pub theta: &'a [f64],
+}
+
+/// The poses of some particles, to change.
+#[derive(Debug)]
+pub struct PosesMut<'a> {
+    /// Positions \[m\].
+    pub x: &'a mut [f64],
+    /// Positions \[m\].
+    pub y: &'a mut [f64],
+    /// Headings \[rad\], in (-pi, pi].
+    pub theta: &'a mut [f64],
+}
+
+impl Poses<'_> {
+    /// Number of poses.
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// The poses one by one.
+    pub fn iter(&self) -> impl Iterator<Item = Pose2> + '_ {
+        let coordinates = self.x.iter().zip(self.y).zip(self.theta);
+        coordinates.map(|((&x, &y), &theta)| Pose2 { x, y, theta })
+    }
+}
+
+impl Particles {
+    /// A cloud without particles.
+    pub fn new() -> Self {
+        Particles::default()
+    }
+
+    /// Particles at the given poses, all of the same weight.
+    pub fn from_poses(poses: impl IntoIterator<Item = Pose2>) -> Self {
+        let mut cloud = Particles::new();
+        for pose in poses {
+            cloud.push(pose, 0.0);
+        }
+        cloud.set_equal_weights();
+        cloud
+    }
+
+    /// `count` particles drawn from a belief about the pose.
+    pub fn from_gaussian<R: Rng + ?Sized>(belief: &Gaussian<3>, count: usize, rng: &mut R) -> Self {
+        let draw = |_| {
+            let [x, y, theta] = belief.sample(rng).into();
+            Pose2::new(x, y, theta)
+        };
+        Particles::from_poses((0..count).map(draw))
+    }
+
+    /// Adds a particle.
+    pub fn push(&mut self, pose: Pose2, log_weight: f64) {
+        self.x.push(pose.x);
+        self.y.push(pose.y);
+        self.theta.push(pose.theta);
+        self.log_weight.push(log_weight);
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// All poses, to read.
+    pub fn poses(&self) -> Poses<'_> {
+        Poses { x: &self.x, y: &self.y, theta: &self.theta }
+    }
+
+    /// All poses, to change.
+    pub fn poses_mut(&mut self) -> PosesMut<'_> {
+        PosesMut { x: &mut self.x, y: &mut self.y, theta: &mut self.theta }
+    }
+
+    /// The pose of one particle.
+    ///
+    /// # Panics
+    /// Where there is no particle `index`.
+    pub fn pose(&self, index: usize) -> Pose2 {
+        Pose2 { x: self.x[index], y: self.y[index], theta: self.theta[index] }
+    }
+
+    /// Puts a particle elsewhere.
+    ///
+    /// # Panics
+    /// Where there is no particle `index`.
+    pub fn set_pose(&mut self, index: usize, pose: Pose2) {
+        (self.x[index], self.y[index], self.theta[index]) = (pose.x, pose.y, pose.theta);
+    }
+
+    /// Logarithms of the weights.
+    pub fn log_weights(&self) -> &[f64] {
+        &self.log_weight
+    }
+
+    /// Logarithms of the weights, to change.
+    pub fn log_weights_mut(&mut self) -> &mut [f64] {
+        &mut self.log_weight
+    }
+
+    /// Poses to read and log weights to change, at the same time.
+    pub fn poses_and_log_weights(&mut self) -> (Poses<'_>, &mut [f64]) {
+        (Poses { x: &self.x, y: &self.y, theta: &self.theta }, &mut self.log_weight)
+    }
+
+    /// The weight of one particle.
+    ///
+    /// # Panics
+    /// Where there is no particle `index`.
+    pub fn weight(&self, index: usize) -> f64 {
+        self.log_weight[index].exp()
+    }
+
+    /// The weights, not as logarithms.
+    pub fn weights(&self) -> impl Iterator<Item = f64> + '_ {
+        self.log_weight.iter().map(|weight| weight.exp())
+    }
+
+    /// Gives every particle the weight 1 / M.
+    pub fn set_equal_weights(&mut self) {
+        let equal = -(self.len() as f64).ln();
+        self.log_weight.fill(equal);
+    }
+
+    /// Makes the weights add up to 1 and returns the logarithm of what they added up to before:
+    /// after [`weigh`](crate::ParticleFilter::weigh), the logarithm of the mean likelihood.
+    ///
+    /// Weights that are all 0, or not numbers, say nothing about the particles: they become equal,
+    /// and the answer is -inf.
+    pub fn normalize(&mut self) -> f64 {
+        let largest = self.log_weight.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if !largest.is_finite() {
+            self.set_equal_weights();
+            return f64::NEG_INFINITY;
+        }
+        let sum: f64 = self.log_weight.iter().map(|weight| (weight - largest).exp()).sum();
+        let total = largest + sum.ln();
+        for weight in &mut self.log_weight {
+            *weight -= total;
+        }
+        total
+    }
+
+    /// How many particles of equal weight would carry as much information: `1 / sum w^2` of
+    /// normalised weights, between 1 and M.
+    pub fn effective_sample_size(&self) -> f64 {
+        let squares: f64 = self.log_weight.iter().map(|weight| (2.0 * weight).exp()).sum();
+        if squares > 0.0 { 1.0 / squares } else { 0.0 }
+    }
+
+    /// Becomes the particles of `other` at `indices`, with equal weights.
+    ///
+    /// # Panics
+    /// Where an index has no particle.
+    pub fn copy_selected(&mut self, other: &Particles, indices: &[u32]) {
+        let pick = |target: &mut Vec<f64>, from: &[f64]| {
+            target.clear();
+            target.extend(indices.iter().map(|&index| from[index as usize]));
+        };
+        pick(&mut self.x, &other.x);
+        pick(&mut self.y, &other.y);
+        pick(&mut self.theta, &other.theta);
+        self.log_weight.resize(indices.len(), 0.0);
+        self.set_equal_weights();
+    }
+}

@@ -1,0 +1,1 @@
+//! Tests of loc-pf, one module per topic.

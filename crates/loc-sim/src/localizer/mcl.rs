@@ -1,0 +1,54 @@
+//! `mcl`: Monte Carlo localization with a laser in an occupancy grid (M).
+
+use super::{Estimate, Judgement, Localizer, MethodSettings};
+use crate::event::{Control, Measurement};
+use crate::source::Setup;
+use crate::{Error, Result};
+use loc_core::Pose2;
+use loc_core::random::stream;
+use loc_pf::Mcl;
+use loc_pf::mcl::MountedScan;
+
+#[derive(Debug)]
+pub(super) struct ScanMcl {
+    mcl: Mcl,
+    odometry: Pose2,
+}
+
+impl ScanMcl {
+    pub(super) fn new(setup: &Setup, settings: &MethodSettings) -> Result<Self> {
+        let map = setup.map.as_ref().ok_or_else(|| Error::Unsuitable {
+            method: "mcl".into(),
+            expected: "a map",
+            source_name: setup.name.clone(),
+        })?;
+        let mut mcl = Mcl::new(map, settings.mcl.clone(), stream(settings.seed, "mcl"))?;
+        if !settings.global {
+            mcl.start_at(&setup.start_belief);
+        }
+        Ok(ScanMcl { mcl, odometry: Pose2::IDENTITY })
+    }
+}
+
+impl Localizer for ScanMcl {
+    fn predict(&mut self, _stamp: f64, control: &Control) -> Result<()> {
+        if let Control::Odometry(pose) = control {
+            self.odometry = *pose;
+        }
+        Ok(())
+    }
+
+    fn correct(&mut self, _stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
+        if let Measurement::Scan { scan, mounting } = measurement {
+            self.mcl.update(self.odometry, &[MountedScan { scan, mounting: *mounting }])?;
+        }
+        Ok(Vec::new())
+    }
+
+    fn estimate(&self, _stamp: f64) -> Result<Estimate> {
+        let belief = self.mcl.estimate().belief;
+        let map_from_odom = self.mcl.map_from_odom();
+        let pose = map_from_odom.map_or(belief.pose(), |frame| frame * self.odometry);
+        Ok(Estimate { pose, covariance: Some(belief.covariance), rail: None })
+    }
+}
