@@ -120,7 +120,7 @@ impl Mcl {
 
     /// What the cloud says about the pose at the last update.
     pub fn estimate(&self) -> Estimate {
-        Estimate { belief: moments(self.filter.particles()) }
+        Estimate { belief: moments(self.filter.particles()), clusters: Vec::new() }
     }
 
     /// The pose of the odometry's frame in the map (`map_from_odom`), `None` before the first
