@@ -10,15 +10,17 @@ pub mod particles;
 pub mod resample;
 pub mod sensor;
 pub mod settings;
+pub mod tempering;
 pub mod workers;
 
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use filter::ParticleFilter;
 pub use mcl::Mcl;
-pub use motion::Motion;
+pub use motion::{Motion, Transport};
 pub use particles::{Particles, Poses, PosesMut};
 pub use resample::Resampling;
 pub use sensor::Likelihood;
 pub use settings::MclSettings;
+pub use tempering::Tempering;
 pub use workers::Workers;
