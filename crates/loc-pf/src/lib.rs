@@ -7,6 +7,7 @@ pub mod free_space;
 pub mod mcl;
 pub mod motion;
 pub mod particles;
+pub mod recovery;
 pub mod resample;
 pub mod sensor;
 pub mod settings;
