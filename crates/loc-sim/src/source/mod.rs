@@ -7,14 +7,17 @@ pub mod carmen;
 pub mod drive;
 pub mod mrclam;
 mod noise;
+pub mod people;
 pub mod rail;
 mod reorder;
+pub mod tour;
 
 pub use calibrated::Calibrated;
 pub use drive::SimulatedDrive;
 pub use mrclam::Mrclam;
 pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
 pub use rail::SimulatedRail;
+pub use tour::SimulatedTour;
 
 use crate::Result;
 use crate::event::Event;
@@ -39,6 +42,9 @@ pub struct Setup {
     pub landmarks: Arc<LandmarkMap>,
     /// The map of the surroundings, where there is one.
     pub map: Option<Arc<OccupancyGrid>>,
+    /// When the robot is carried to another place without being told \[s\], where it is: poses
+    /// with later stamps are those of the new place.
+    pub kidnapped_at: Option<f64>,
 }
 
 /// A stream of events in order of arrival.

@@ -5,6 +5,10 @@ use crate::localizer::{Estimate, Judgement, Method, MethodSettings};
 use crate::source::Setup;
 use loc_core::Stamped;
 
+mod snapshots;
+
+pub use snapshots::Snapshots;
+
 /// A finished run of several methods over one source.
 #[derive(Debug, Clone)]
 pub struct Run {
@@ -29,6 +33,8 @@ pub struct MethodRecord {
     pub estimates: Vec<Estimate>,
     /// Its judgements on the measurements, with their stamps \[s\].
     pub judgements: Vec<Stamped<Judgement>>,
+    /// The particles of a method that has any, now and then.
+    pub snapshots: Snapshots,
     /// Number of controls and measurements it took in.
     pub updates: usize,
     /// Time it took \[s\].
@@ -44,9 +50,17 @@ impl Run {
         }
     }
 
-    /// Way that the robot really drove, through the thinned truth \[m\].
+    /// Way that the robot really drove, through the thinned truth \[m\]; the way that it was
+    /// carried does not count.
     pub fn distance(&self) -> f64 {
         let step = |pair: &[Stamped<Truth>]| pair[0].value.pose.distance(pair[1].value.pose);
-        self.truth.windows(2).map(step).sum()
+        let pairs = self.truth.windows(2);
+        let driven = pairs.filter(|pair| !self.was_carried_between(pair[0].stamp, pair[1].stamp));
+        driven.map(step).sum()
+    }
+
+    /// Whether the robot was kidnapped after the first of two times \[s\] and by the second one.
+    pub fn was_carried_between(&self, from: f64, to: f64) -> bool {
+        self.setup.kidnapped_at.is_some_and(|at| from <= at && at < to)
     }
 }
