@@ -15,7 +15,8 @@
 //! assert!((mean - 0.5).abs() < 0.05);
 //! ```
 
-use crate::{Likelihood, Motion, Particles, Resampling, Workers};
+use crate::resample::Wheel;
+use crate::{Kld, Likelihood, Motion, Particles, Resampling, Workers};
 use loc_core::random::ChaCha8Rng;
 
 /// A cloud of particles with its randomness and its threads.
@@ -24,6 +25,7 @@ pub struct ParticleFilter {
     particles: Particles,
     /// The particles before the last resampling; kept for its memory.
     spare: Particles,
+    wheel: Wheel,
     indices: Vec<u32>,
     rng: ChaCha8Rng,
     workers: Workers,
@@ -32,8 +34,8 @@ pub struct ParticleFilter {
 impl ParticleFilter {
     /// A filter that starts from a cloud and draws from `rng`, on the calling thread.
     pub fn new(particles: Particles, rng: ChaCha8Rng) -> Self {
-        let (spare, indices) = (Particles::new(), Vec::new());
-        ParticleFilter { particles, spare, indices, rng, workers: Workers::one() }
+        let (spare, wheel, indices) = (Particles::new(), Wheel::new(), Vec::new());
+        ParticleFilter { particles, spare, wheel, indices, rng, workers: Workers::one() }
     }
 
     /// The same with other threads; the results stay the same.
@@ -75,11 +77,21 @@ impl ParticleFilter {
 
     /// Draws `count` particles in proportion to their weights (M8, M9), which are equal afterwards.
     pub fn resample(&mut self, scheme: Resampling, count: usize) {
-        if self.particles.is_empty() {
-            return;
-        }
-        let weights = self.particles.log_weights();
-        scheme.draw(weights, count, &mut self.rng, &mut self.indices);
+        self.wheel.set(self.particles.log_weights());
+        self.draw(scheme, count);
+    }
+
+    /// The same with as many particles as the spread of the cloud asks for; says how many.
+    pub fn resample_adaptively(&mut self, scheme: Resampling, kld: &mut Kld) -> usize {
+        self.wheel.set(self.particles.log_weights());
+        let count = kld.count(&self.wheel, self.particles.poses(), &mut self.rng);
+        self.draw(scheme, count);
+        self.particles.len()
+    }
+
+    /// Draws from the wheel of the present particles; without any, none.
+    fn draw(&mut self, scheme: Resampling, count: usize) {
+        scheme.spin(&self.wheel, count, &mut self.rng, &mut self.indices);
         std::mem::swap(&mut self.particles, &mut self.spare);
         self.particles.copy_selected(&self.spare, &self.indices);
     }

@@ -5,7 +5,6 @@ use crate::free_space::FreeSpace;
 use crate::motion::DifferentialStep;
 use crate::sensor::FieldLikelihood;
 use crate::{Estimate, MclSettings, ParticleFilter, Particles, Result, Workers};
-use loc_core::motion::OdometryMotion;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Pose2};
 use loc_maps::likelihood_field::Endpoints;
@@ -94,8 +93,7 @@ impl Mcl {
         {
             return Ok(Update::StoodStill);
         }
-        let motion = OdometryMotion::between(last, odometry);
-        self.filter.predict(&DifferentialStep { motion, noise: self.settings.motion });
+        self.filter.predict(&DifferentialStep::between(last, odometry, &self.settings.motion)?);
         self.odometry = Some(odometry);
         let endpoints = self.endpoints(scans);
         let exponent = self.settings.scan_exponent;
