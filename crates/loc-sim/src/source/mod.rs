@@ -5,13 +5,16 @@
 mod calibrated;
 pub mod carmen;
 pub mod drive;
+pub mod laser_log;
 pub mod mrclam;
 mod noise;
 pub mod rail;
 mod reorder;
+pub mod wean;
 
 pub use calibrated::Calibrated;
 pub use drive::SimulatedDrive;
+pub use laser_log::LaserRecording;
 pub use mrclam::Mrclam;
 pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
 pub use rail::SimulatedRail;
@@ -39,6 +42,8 @@ pub struct Setup {
     pub landmarks: Arc<LandmarkMap>,
     /// The map of the surroundings, where there is one.
     pub map: Option<Arc<OccupancyGrid>>,
+    /// When the robot is carried to another place without being told \[s\].
+    pub kidnapped_at: Option<f64>,
 }
 
 /// A stream of events in order of arrival.
@@ -55,5 +60,10 @@ pub trait Source {
     /// What was passed over, as counted lines for the user: `3 sightings of unknown barcodes`.
     fn notes(&self) -> Vec<String> {
         Vec::new()
+    }
+
+    /// Whether true poses are among the events. Without any, a run is sampled at its scans.
+    fn has_truth(&self) -> bool {
+        true
     }
 }
