@@ -4,8 +4,10 @@
 //! measurement alone is computed once. Anything that rates a pose is a [`Likelihood`], a closure
 //! too.
 
+pub mod landmark;
 mod likelihood_field;
 
+pub use landmark::LandmarkLikelihood;
 pub use likelihood_field::FieldLikelihood;
 
 use crate::Poses;
