@@ -5,9 +5,11 @@
 //! too.
 
 pub mod beam;
+pub mod landmark;
 mod likelihood_field;
 
 pub use beam::{BeamLikelihood, BeamModel, BeamModelSettings};
+pub use landmark::LandmarkLikelihood;
 pub use likelihood_field::FieldLikelihood;
 
 use crate::Poses;
