@@ -4,3 +4,4 @@
 mod landmark;
 mod landmark_mcl;
 mod sensor_resetting;
+mod beam;
