@@ -3,20 +3,21 @@
 //! ```
 //! use loc_core::random::stream;
 //! use loc_core::{Gaussian, Pose2, gaussian::pose_belief};
-//! use loc_pf::{Particles, ParticleFilter, Resampling};
+//! use loc_pf::{ParticleFilter, Particles};
 //! let mut rng = stream(1, "filter");
 //! let start = pose_belief(Pose2::IDENTITY, [1.0, 1.0, 0.1]);
 //! let mut filter = ParticleFilter::new(Particles::from_gaussian(&start, 1000, &mut rng), rng);
 //! // A wall 5 m ahead is measured at 4.5 m, give or take 0.1 m.
 //! filter.weigh(&|pose: Pose2| -0.5 * ((5.0 - pose.x - 4.5) / 0.1_f64).powi(2));
 //! filter.normalize();
-//! filter.resample(Resampling::Systematic, 1000);
+//! filter.resample(1000);
 //! let mean = filter.particles().poses().x.iter().sum::<f64>() / 1000.0;
 //! assert!((mean - 0.5).abs() < 0.05);
 //! ```
 
 use crate::{Likelihood, Motion, Particles, Resampling, Workers};
 use loc_core::random::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// A cloud of particles with its randomness and its threads.
 #[derive(Debug)]
@@ -25,6 +26,7 @@ pub struct ParticleFilter {
     /// The particles before the last resampling; kept for its memory.
     spare: Particles,
     indices: Vec<u32>,
+    scheme: Resampling,
     rng: ChaCha8Rng,
     workers: Workers,
 }
@@ -33,7 +35,15 @@ impl ParticleFilter {
     /// A filter that starts from a cloud and draws from `rng`, on the calling thread.
     pub fn new(particles: Particles, rng: ChaCha8Rng) -> Self {
         let (spare, indices) = (Particles::new(), Vec::new());
-        ParticleFilter { particles, spare, indices, rng, workers: Workers::one() }
+        let (scheme, workers) = (Resampling::default(), Workers::one());
+        ParticleFilter { particles, spare, indices, scheme, rng, workers }
+    }
+
+    /// The same with another way to draw particles.
+    #[must_use]
+    pub fn with_resampling(mut self, scheme: Resampling) -> Self {
+        self.scheme = scheme;
+        self
     }
 
     /// The same with other threads; the results stay the same.
@@ -74,13 +84,32 @@ impl ParticleFilter {
     }
 
     /// Draws `count` particles in proportion to their weights (M8, M9), which are equal afterwards.
-    pub fn resample(&mut self, scheme: Resampling, count: usize) {
+    pub fn resample(&mut self, count: usize) {
         if self.particles.is_empty() {
             return;
         }
         let weights = self.particles.log_weights();
-        scheme.draw(weights, count, &mut self.rng, &mut self.indices);
+        self.scheme.draw(weights, count, &mut self.rng, &mut self.indices);
         std::mem::swap(&mut self.particles, &mut self.spare);
         self.particles.copy_selected(&self.spare, &self.indices);
+    }
+
+    /// Draws `count` indices in proportion to weights given as logarithms.
+    pub(crate) fn draw(&mut self, log_weights: &[f64], count: usize, indices: &mut Vec<u32>) {
+        self.scheme.draw(log_weights, count, &mut self.rng, indices);
+    }
+
+    /// Does `work` on every part, each with a random stream of its own.
+    pub(crate) fn for_each_part<T: Send>(
+        &mut self,
+        parts: &mut [T],
+        work: impl Fn(&mut T, &mut ChaCha8Rng) + Sync,
+    ) {
+        let seed = self.rng.next_u64();
+        self.workers.for_each(parts.iter_mut().enumerate(), |(number, part)| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(number as u64);
+            work(part, &mut rng);
+        });
     }
 }

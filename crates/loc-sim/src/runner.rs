@@ -2,7 +2,7 @@
 
 use crate::event::{Event, Measurement, Payload, Truth};
 use crate::localizer::{Localizer, Method, MethodSettings};
-use crate::record::{MethodRecord, Run};
+use crate::record::{MethodRecord, Run, Snapshots};
 use crate::source::Source;
 use crate::{Error, Result};
 use loc_core::Stamped;
@@ -31,7 +31,7 @@ pub fn run(
     let setup = source.setup().clone();
     let mut runners = Vec::with_capacity(methods.len());
     for &method in methods {
-        runners.push(Runner::new(method, method.start(&setup, settings)?));
+        runners.push(Runner::new(method, method.start(&setup, settings)?, setup.start));
     }
     let samples_at = if source.has_truth() { is_truth } else { is_scan };
     let (mut stamps, mut truth): (Vec<f64>, Vec<Stamped<Truth>>) = Default::default();
@@ -72,15 +72,25 @@ struct Runner {
 }
 
 impl Runner {
-    fn new(method: Method, localizer: Box<dyn Localizer>) -> Self {
+    fn new(method: Method, localizer: Box<dyn Localizer>, start: f64) -> Self {
         let record = MethodRecord {
             method,
             estimates: Vec::new(),
             judgements: Vec::new(),
+            snapshots: Snapshots::default(),
             updates: 0,
             runtime: 0.0,
         };
-        Runner { localizer, record }
+        let mut runner = Runner { localizer, record };
+        runner.keep_cloud(start);
+        runner
+    }
+
+    /// Keeps the method's particles for figures; this does not count as its time.
+    fn keep_cloud(&mut self, stamp: f64) {
+        if let Some(cloud) = self.localizer.cloud() {
+            self.record.snapshots.offer(stamp, cloud);
+        }
     }
 
     fn take(&mut self, event: &Event) -> Result<()> {
@@ -97,6 +107,9 @@ impl Runner {
         }
         self.record.updates += 1;
         self.record.runtime += started.elapsed().as_secs_f64();
+        if matches!(event.payload, Payload::Measurement(_)) {
+            self.keep_cloud(stamp);
+        }
         Ok(())
     }
 

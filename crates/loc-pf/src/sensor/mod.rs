@@ -4,8 +4,10 @@
 //! measurement alone is computed once. Anything that rates a pose is a [`Likelihood`], a closure
 //! too.
 
+pub mod beam;
 mod likelihood_field;
 
+pub use beam::{BeamLikelihood, BeamModel, BeamModelSettings};
 pub use likelihood_field::FieldLikelihood;
 
 use crate::Poses;

@@ -1,15 +1,14 @@
-//! `dead-reckoning`: odometry alone, with its growing covariance (E2, E6).
+//! `dead-reckoning`: odometry alone, with its growing covariance (E2, E6, E7).
 
 use super::{Estimate, Judgement, Localizer, MethodSettings};
 use crate::Result;
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
-use loc_core::motion::{OdometryMotion, OdometryNoise};
 use loc_core::{Gaussian, Pose2};
 use loc_filters::landmark::LandmarkLocalizer;
 use loc_maps::LandmarkMap;
-use loc_pf::MclSettings;
-use nalgebra::Matrix3;
+use loc_pf::motion::PathNoise;
+use nalgebra::{Matrix3, Vector3};
 
 /// Velocities by the prediction step of the landmark filter, without its corrections; poses of an
 /// odometry by [`OdometryDrive`].
@@ -17,7 +16,7 @@ use nalgebra::Matrix3;
 pub(super) struct DeadReckoning {
     velocities: LandmarkLocalizer,
     start: Gaussian<3>,
-    mcl: MclSettings,
+    noise: PathNoise,
     drive: Option<OdometryDrive>,
 }
 
@@ -27,7 +26,7 @@ impl DeadReckoning {
         Ok(DeadReckoning {
             velocities: LandmarkLocalizer::new(none, settings.landmark, setup.start, start)?,
             start,
-            mcl: settings.mcl.clone(),
+            noise: settings.mcl.motion,
             drive: None,
         })
     }
@@ -38,8 +37,8 @@ impl Localizer for DeadReckoning {
         match control {
             Control::Velocity(twist) => self.velocities.velocity(stamp, *twist)?,
             Control::Odometry(pose) => {
-                let begin = || OdometryDrive { belief: self.start, anchor: *pose, odometry: *pose };
-                self.drive.get_or_insert_with(begin).move_to(*pose, &self.mcl);
+                let begin = || OdometryDrive { belief: self.start, odometry: *pose };
+                self.drive.get_or_insert_with(begin).move_to(*pose, &self.noise);
             }
             Control::Acceleration(_) => {}
         }
@@ -52,7 +51,7 @@ impl Localizer for DeadReckoning {
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {
         Ok(match &self.drive {
-            Some(drive) => drive.ahead(&self.mcl.motion).into(),
+            Some(drive) => drive.belief.into(),
             None => self.velocities.estimate(stamp)?.into(),
         })
     }
@@ -60,40 +59,39 @@ impl Localizer for DeadReckoning {
 
 /// The start pose carried along by the poses of an odometry: `map_from_odom` never changes.
 ///
-/// The covariance grows by the odometry model (turn, drive, turn) with the noise of the particle
-/// filter, in steps as long as those of its updates: the model's variances depend on the length of
-/// a step, and the messages of an odometry may be any length apart.
+/// The covariance grows by the noise of the particle filter, which is in proportion to the way, so
+/// that it does not matter how far apart the messages are. Its faults of the odometry are left
+/// out: they are no Gaussian.
 #[derive(Debug)]
 struct OdometryDrive {
-    /// The belief at the end of the last whole step.
     belief: Gaussian<3>,
-    /// The odometry there.
-    anchor: Pose2,
-    /// The odometry now.
     odometry: Pose2,
 }
 
 impl OdometryDrive {
-    fn move_to(&mut self, odometry: Pose2, settings: &MclSettings) {
-        self.odometry = odometry;
-        let step = self.anchor.between(odometry);
-        let far = f64::hypot(step.x, step.y) >= settings.update_distance;
-        if far || step.theta.abs() >= settings.update_turn {
-            self.belief = self.ahead(&settings.motion);
-            self.anchor = odometry;
-        }
-    }
-
-    /// The belief at the odometry of now.
-    fn ahead(&self, noise: &OdometryNoise) -> Gaussian<3> {
-        let motion = OdometryMotion::between(self.anchor, self.odometry);
+    fn move_to(&mut self, odometry: Pose2, noise: &PathNoise) {
+        let step = self.odometry.between(odometry);
         let pose = self.belief.pose();
-        let (_, by_pose, by_step) = motion.apply_with_jacobians(pose);
-        let variances = Matrix3::from_diagonal(&motion.variances(noise));
+        let (next, by_pose, by_step) = pose.compose_jacobians(step);
+        // On the average over the step the heading is off by half of what it is off at its end.
+        let (half_x, half_y) = (0.5 * step.x, 0.5 * step.y);
+        let by_noise = by_step * Matrix3::new(1.0, 0.0, -half_y, 0.0, 1.0, half_x, 0.0, 0.0, 1.0);
+        let variances = Matrix3::from_diagonal(&variances(step, noise));
         let covariance = by_pose * self.belief.covariance * by_pose.transpose()
-            + by_step * variances * by_step.transpose();
-        // The pose itself is chained exactly, whatever the model leaves out of a tiny step.
-        let pose = pose * self.anchor.between(self.odometry);
-        Gaussian { mean: pose.to_vector(), covariance }
+            + by_noise * variances * by_noise.transpose();
+        self.belief = Gaussian { mean: next.to_vector(), covariance };
+        self.odometry = odometry;
     }
+}
+
+/// Variances along the step, across it and of the heading \[m^2, m^2, rad^2\].
+fn variances(step: Pose2, noise: &PathNoise) -> Vector3<f64> {
+    let (length, turned) = (f64::hypot(step.x, step.y), step.theta.abs());
+    let squared = [noise.along, noise.across, noise.drift, noise.turn, noise.pivot].map(|s| s * s);
+    let [along, across, drift, turn, pivot] = squared;
+    Vector3::new(
+        along * length + pivot * turned,
+        across * length + pivot * turned,
+        drift * length + turn * turned,
+    )
 }

@@ -1,6 +1,6 @@
 //! `mcl`: Monte Carlo localization with a laser in an occupancy grid (M).
 
-use super::{Estimate, Judgement, Localizer, MethodSettings};
+use super::{Cloud, Estimate, Judgement, Localizer, MethodSettings};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
@@ -54,5 +54,9 @@ impl Localizer for ScanMcl {
         let map_from_odom = self.mcl.map_from_odom();
         let pose = map_from_odom.map_or(belief.pose(), |frame| frame * self.odometry);
         Ok(Estimate { pose, covariance: Some(belief.covariance), rail: None })
+    }
+
+    fn cloud(&self) -> Option<Cloud> {
+        Some(Cloud::of(self.mcl.particles()))
     }
 }

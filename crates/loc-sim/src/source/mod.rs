@@ -8,8 +8,10 @@ pub mod drive;
 pub mod laser_log;
 pub mod mrclam;
 mod noise;
+pub mod people;
 pub mod rail;
 mod reorder;
+pub mod tour;
 pub mod wean;
 
 pub use calibrated::Calibrated;
@@ -18,6 +20,7 @@ pub use laser_log::LaserRecording;
 pub use mrclam::Mrclam;
 pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
 pub use rail::SimulatedRail;
+pub use tour::SimulatedTour;
 
 use crate::Result;
 use crate::event::Event;
@@ -42,7 +45,8 @@ pub struct Setup {
     pub landmarks: Arc<LandmarkMap>,
     /// The map of the surroundings, where there is one.
     pub map: Option<Arc<OccupancyGrid>>,
-    /// When the robot is carried to another place without being told \[s\].
+    /// When the robot is carried to another place without being told \[s\]: from then on it is
+    /// there.
     pub kidnapped_at: Option<f64>,
 }
 

@@ -6,6 +6,10 @@ use crate::localizer::{Estimate, Judgement, Method, MethodSettings};
 use crate::source::Setup;
 use loc_core::Stamped;
 
+mod snapshots;
+
+pub use snapshots::Snapshots;
+
 /// A finished run of several methods over one source.
 #[derive(Debug, Clone)]
 pub struct Run {
@@ -32,6 +36,8 @@ pub struct MethodRecord {
     pub estimates: Vec<Estimate>,
     /// Its judgements on the measurements, with their stamps \[s\].
     pub judgements: Vec<Stamped<Judgement>>,
+    /// The particles of a method that has any, now and then.
+    pub snapshots: Snapshots,
     /// Number of controls and measurements it took in.
     pub updates: usize,
     /// Time it took \[s\].
@@ -47,15 +53,17 @@ impl Run {
         }
     }
 
-    /// Way that the robot really drove, through the thinned truth, but not the way on which it was
-    /// carried \[m\]; `None` without a truth.
+    /// Way that the robot really drove, through the thinned truth \[m\]; the way that it was
+    /// carried does not count. `None` without a truth.
     pub fn distance(&self) -> Option<f64> {
-        let drove = |pair: &&[Stamped<Truth>]| {
-            let kidnapped = self.setup.kidnapped_at;
-            !kidnapped.is_some_and(|at| pair[0].stamp < at && pair[1].stamp >= at)
-        };
+        let drove = |pair: &&[Stamped<Truth>]| !self.was_carried(pair[0].stamp, pair[1].stamp);
         let step = |pair: &[Stamped<Truth>]| pair[0].value.pose.distance(pair[1].value.pose);
-        let steps = self.truth.windows(2).filter(drove);
-        (!self.truth.is_empty()).then(|| steps.map(step).sum())
+        let driven = self.truth.windows(2).filter(drove).map(step).sum();
+        (!self.truth.is_empty()).then_some(driven)
+    }
+
+    /// Whether the robot was kidnapped after the first of two times \[s\], or at the second one.
+    pub fn was_carried(&self, from: f64, to: f64) -> bool {
+        self.setup.kidnapped_at.is_some_and(|at| from < at && at <= to)
     }
 }
