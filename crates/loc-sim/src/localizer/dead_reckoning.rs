@@ -1,4 +1,4 @@
-//! `dead-reckoning`: odometry alone, with its growing covariance (E2, E6).
+//! `dead-reckoning`: odometry alone, with its growing covariance (E2, E6, E7).
 
 use super::{Estimate, Judgement, Localizer, MethodSettings};
 use crate::Result;

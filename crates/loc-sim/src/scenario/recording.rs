@@ -6,7 +6,6 @@ use crate::localizer::MethodSettings;
 use crate::{Error, Result, config};
 use loc_core::error::non_negative;
 use loc_filters::landmark::LandmarkSettings;
-use loc_pf::MclSettings;
 use loc_sensors::landmark_camera::CameraCalibration;
 use loc_sensors::wheel::OdometryCalibration;
 use serde::{Deserialize, Serialize};
@@ -26,12 +25,10 @@ pub struct RecordingConfig {
     pub odometry: OdometryCalibrationConfig,
     /// Systematic errors of the camera.
     pub camera: CameraCalibrationConfig,
-    /// Settings of the methods that use landmarks.
+    /// Settings of the methods.
     pub filter: FilterConfig,
     /// How well the start pose is known.
     pub start: StartConfig,
-    /// Settings of the particle filter.
-    pub mcl: MclSettings,
 }
 
 /// How well the start pose of a recording with a laser is known, as standard deviations.
@@ -142,9 +139,7 @@ impl RecordingConfig {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
     pub fn settings(&self) -> Result<MethodSettings> {
-        self.mcl.validate()?;
-        let methods = self.filter.methods(LandmarkSettings::default())?;
-        Ok(MethodSettings { mcl: self.mcl.clone(), ..methods })
+        self.filter.methods(LandmarkSettings::default())
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
     };
     let start = match &args.initial_pose {
         Some(text) => Start::At(parse_pose(text)?),
-        None if args.global_start => Start::Anywhere,
+        None if args.global_start || config.filter.global => Start::Anywhere,
         None => Start::Reference,
     };
     let options = ReplayOptions {

@@ -87,7 +87,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
         Format::Carmen | Format::Wean => laser::prepare(args, log, format)?,
     };
     replay.settings.seed = args.seed;
-    replay.settings.global = args.global_start;
+    replay.settings.global |= args.global_start;
     if let Some(threads) = global.threads {
         replay.settings.mcl.threads = threads;
     }

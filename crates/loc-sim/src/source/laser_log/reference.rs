@@ -10,22 +10,23 @@ use std::path::Path;
 /// round their stamps.
 const ROUNDING: f64 = 1e-3;
 
-/// Poses that are known no better than this are no reference \[m\].
-const LARGEST_SPREAD: f64 = 1.0;
+/// A track that says how well it is known is a reference once it is known this well \[m\].
+const LARGEST_SPREAD: f64 = 0.3;
 
 /// Poses in the map to judge by.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reference {
     /// The poses.
     pub poses: Trajectory,
-    /// How many were left out because their spread was too large.
+    /// How many were left out, because they or later ones were not known well enough.
     pub vague: usize,
 }
 
 impl Reference {
     /// Reads a TUM file, or a CSV file whose first line names its columns: `time_s`, `x_m` and
     /// `y_m` (or `_cm`), `theta_rad` (or `_deg`). In a column `spread_m` (or `_cm`) the file may
-    /// say how well it knows each pose; those worse than 1 m are left out. Other columns are
+    /// say how well it knows each pose: it then comes from a filter that had to find the robot
+    /// first, and all up to the last pose with more than 0.3 m is left out. Other columns are
     /// passed over.
     ///
     /// # Errors
@@ -65,7 +66,8 @@ impl Reference {
             let row = row?;
             if spread.map(|spread| value(&row, spread)).transpose()?.unwrap_or(0.0) > LARGEST_SPREAD
             {
-                reference.vague += 1;
+                reference.vague += 1 + reference.poses.len();
+                reference.poses = Trajectory::new();
                 continue;
             }
             let stamp = value(&row, time)?;
@@ -114,7 +116,7 @@ pub(super) fn put_beside(log: &mut LaserLog, reference: &Reference) -> Result<()
     log.entries = merged;
     if reference.vague > 0 {
         let vague = reference.vague;
-        log.notes.push(format!("{vague} poses of the reference left out: spread above 1 m"));
+        log.notes.push(format!("first {vague} poses of the reference left out: not known well"));
     }
     Ok(())
 }
