@@ -3,3 +3,7 @@
 
 mod clusters;
 mod moments;
+mod beam;
+mod landmark;
+mod landmark_mcl;
+mod sensor_resetting;
