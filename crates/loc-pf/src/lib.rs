@@ -6,6 +6,7 @@ mod error;
 pub mod estimate;
 pub mod filter;
 pub mod free_space;
+mod log_weights;
 pub mod mcl;
 pub mod motion;
 pub mod normals;
