@@ -7,6 +7,7 @@ pub mod estimate;
 pub mod filter;
 pub mod free_space;
 pub mod landmark_mcl;
+mod log_weights;
 pub mod mcl;
 pub mod motion;
 pub mod normals;

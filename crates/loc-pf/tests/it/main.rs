@@ -7,3 +7,13 @@ mod beam;
 mod landmark;
 mod landmark_mcl;
 mod sensor_resetting;
+mod adaptive;
+mod motion;
+mod normals;
+mod policy;
+mod resample;
+
+/// One number for many: results that must be the same on every machine.
+fn fnv1a(words: impl Iterator<Item = u64>) -> u64 {
+    words.fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0100_0000_01b3))
+}
