@@ -4,9 +4,9 @@
 //! measurement alone is computed once. Anything that rates a pose is a [`Likelihood`], a closure
 //! too.
 
-mod likelihood_field;
+pub mod likelihood_field;
 
-pub use likelihood_field::FieldLikelihood;
+pub use likelihood_field::{BeamSkip, FieldLikelihood, SumOfCubes};
 
 use crate::Poses;
 use loc_core::Pose2;

@@ -1,1 +1,4 @@
 //! Tests of loc-pf, one module per topic.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
+
+mod likelihood_field;
