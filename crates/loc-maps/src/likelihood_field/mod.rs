@@ -41,6 +41,8 @@ mod endpoints;
 mod rating;
 mod readings;
 mod settings;
+#[cfg(test)]
+mod tests;
 mod tiles;
 mod view;
 
