@@ -6,6 +6,7 @@
 
 pub mod beam;
 mod likelihood_field;
+pub mod perceptual;
 
 pub use beam::{BeamLikelihood, BeamModel, BeamModelSettings};
 pub use likelihood_field::FieldLikelihood;
