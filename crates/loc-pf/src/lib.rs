@@ -6,6 +6,7 @@ pub mod filter;
 pub mod free_space;
 pub mod mcl;
 pub mod motion;
+pub mod novelty;
 pub mod particles;
 pub mod resample;
 pub mod sensor;
