@@ -11,6 +11,7 @@ mod log_weights;
 pub mod mcl;
 pub mod motion;
 pub mod normals;
+pub mod novelty;
 pub mod particles;
 pub mod policy;
 pub mod recovery;

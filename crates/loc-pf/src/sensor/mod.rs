@@ -7,6 +7,7 @@
 pub mod beam;
 pub mod landmark;
 pub mod likelihood_field;
+pub mod perceptual;
 
 pub use beam::{BeamLikelihood, BeamModel, BeamModelSettings};
 pub use landmark::LandmarkLikelihood;
