@@ -219,6 +219,13 @@ impl Particles {
         self.log_weight.iter().map(|weight| weight.exp())
     }
 
+    /// Fills `relative` with all weights in units of the largest, faster than one by one from
+    /// [`weights`](Particles::weights) and without underflow; NaN counts as 0. Where none is above
+    /// 0 they count as equal.
+    pub fn relative_weights(&self, relative: &mut Vec<f64>) {
+        log_weights::relative(&self.log_weight, relative);
+    }
+
     /// Gives every particle the weight 1 / M.
     pub fn set_equal_weights(&mut self) {
         let equal = -(self.len() as f64).ln();
