@@ -38,7 +38,7 @@ pub(super) struct BuildArgs {
 
 /// Which scans of a log to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Scans {
+pub enum Scans {
     /// Every scan.
     All,
     /// 1, 3, 5, ..
@@ -48,7 +48,7 @@ pub(super) enum Scans {
 }
 
 impl Scans {
-    fn takes(self, index: usize) -> bool {
+    pub(crate) fn takes(self, index: usize) -> bool {
         match self {
             Scans::All => true,
             Scans::Odd => index % 2 == 1,

@@ -6,6 +6,8 @@ mod info;
 mod make;
 mod thumbnail;
 
+pub use build::Scans;
+
 use super::Global;
 use loc_maps::grid::io;
 use loc_maps::{LineMap, OccupancyGrid, PointMap};
