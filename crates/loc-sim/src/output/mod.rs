@@ -12,6 +12,7 @@
 mod backdrop;
 pub mod figures;
 mod folder;
+pub mod perceptual;
 mod report;
 pub mod svg;
 mod table;
