@@ -42,8 +42,8 @@ pub struct Setup {
     pub landmarks: Arc<LandmarkMap>,
     /// The map of the surroundings, where there is one.
     pub map: Option<Arc<OccupancyGrid>>,
-    /// When the robot is carried to another place without being told \[s\], where it is: poses
-    /// with later stamps are those of the new place.
+    /// When the robot is carried to another place without being told \[s\]: from then on it is
+    /// there.
     pub kidnapped_at: Option<f64>,
 }
 

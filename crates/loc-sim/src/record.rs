@@ -53,14 +53,13 @@ impl Run {
     /// Way that the robot really drove, through the thinned truth \[m\]; the way that it was
     /// carried does not count.
     pub fn distance(&self) -> f64 {
+        let drove = |pair: &&[Stamped<Truth>]| !self.was_carried(pair[0].stamp, pair[1].stamp);
         let step = |pair: &[Stamped<Truth>]| pair[0].value.pose.distance(pair[1].value.pose);
-        let pairs = self.truth.windows(2);
-        let driven = pairs.filter(|pair| !self.was_carried_between(pair[0].stamp, pair[1].stamp));
-        driven.map(step).sum()
+        self.truth.windows(2).filter(drove).map(step).sum()
     }
 
-    /// Whether the robot was kidnapped after the first of two times \[s\] and by the second one.
-    pub fn was_carried_between(&self, from: f64, to: f64) -> bool {
-        self.setup.kidnapped_at.is_some_and(|at| from <= at && at < to)
+    /// Whether the robot was kidnapped after the first of two times \[s\], or at the second one.
+    pub fn was_carried(&self, from: f64, to: f64) -> bool {
+        self.setup.kidnapped_at.is_some_and(|at| from < at && at <= to)
     }
 }
