@@ -113,7 +113,7 @@ impl<'a> Moment<'a> {
 
 /// A circle around a pose, which hides nothing within.
 fn ring(pose: Pose2, radius: f64) -> Ellipse {
-    Ellipse { center: pose.position(), semi_major: radius, semi_minor: radius, angle: 0.0 }
+    Ellipse { center: pose.position().coords, semi_major: radius, semi_minor: radius, angle: 0.0 }
 }
 
 /// The moments to show: the first, the last, and between them those that are equally different

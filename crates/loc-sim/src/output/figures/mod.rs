@@ -19,7 +19,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 7] = [
+pub const NAMES: [&str; 8] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -27,6 +27,7 @@ pub const NAMES: [&str; 7] = [
     "rail.svg",
     "density.svg",
     "accuracy.svg",
+    "probability.svg",
 ];
 
 /// The figures that suit a run.

@@ -8,6 +8,7 @@ use crate::output::svg::WIDTH;
 use crate::output::svg::axis::TICK_SIZE;
 use crate::output::svg::frame::Area;
 use crate::output::svg::header;
+use crate::output::svg::pictures::{ColorBar, draw_bar};
 use crate::output::svg::style::Paint;
 use crate::output::svg::text::{self, Anchor};
 use crate::output::svg::writer::{Element, Writer};
@@ -20,13 +21,16 @@ const CAPTION: f64 = 19.0;
 const MARGIN: f64 = 0.05;
 
 /// Small [`Scene`]s in rows, all with the same view, over the same backdrop: what happened one
-/// after the other. Titles and backdrops of the single scenes are not shown.
+/// after the other. Titles of the single scenes are not shown; a scene with a backdrop of its own
+/// has that instead.
 #[derive(Debug, Clone, Default)]
 pub struct Frames {
     title: String,
     subtitle: String,
     backdrop: Option<Backdrop>,
     frames: Vec<(String, Scene)>,
+    columns: Option<usize>,
+    bar: Option<ColorBar>,
 }
 
 impl Frames {
@@ -56,6 +60,20 @@ impl Frames {
         self
     }
 
+    /// So many frames side by side, at least 1; as suits their shape where left out.
+    #[must_use]
+    pub fn columns(mut self, columns: usize) -> Self {
+        self.columns = Some(columns.max(1));
+        self
+    }
+
+    /// The meaning of colours, below all frames.
+    #[must_use]
+    pub fn bar(mut self, bar: ColorBar) -> Self {
+        self.bar = Some(bar);
+        self
+    }
+
     /// The SVG file.
     pub fn render(&self) -> String {
         let mut writer = Writer::default();
@@ -64,7 +82,8 @@ impl Frames {
             header::draw(&mut writer, &self.title, &self.subtitle, &legend_of(items)) + 6.0;
         let bounds = self.bounds();
         let (width, height) = bounds.size();
-        let columns = columns(width / height, self.frames.len());
+        let suited = || columns(width / height, self.frames.len());
+        let columns = self.columns.unwrap_or_else(suited);
         let frame_width = (WIDTH - 2.0 * LEFT - (columns - 1) as f64 * GAP) / columns as f64;
         let frame_height = frame_width * (height / width).clamp(0.2, 2.0);
         for (k, (caption, scene)) in self.frames.iter().enumerate() {
@@ -75,6 +94,9 @@ impl Frames {
                 top = area.bottom() + 7.0;
             }
         }
+        if let Some(bar) = &self.bar {
+            top = draw_bar(&mut writer, bar, LEFT, top + 6.0, WIDTH - 2.0 * LEFT);
+        }
         writer.finish(&self.title, top + 6.0)
     }
 
@@ -83,7 +105,9 @@ impl Frames {
         let caption = text::shorten(caption, TICK_SIZE, area.width);
         let at = (area.left, area.top - 5.0);
         writer.text(text::element(at, TICK_SIZE, Anchor::Start, Paint::INK), &caption);
-        if let Some(backdrop) = &self.backdrop {
+        if let Some(own) = scene.backdrop.as_ref().filter(|image| image.is_valid()) {
+            draw_image(writer, view, own, None);
+        } else if let Some(backdrop) = &self.backdrop {
             // Equal names mean equal images, also among the figures of one page.
             let id = format!("loc-image-{:x}", hash(&backdrop.data_uri));
             if k == 0 {
@@ -106,8 +130,10 @@ impl Frames {
 
     /// What every frame shows.
     fn bounds(&self) -> Bounds {
-        if let Some(backdrop) = &self.backdrop {
-            return Bounds { min: backdrop.min, max: backdrop.max };
+        let own = || self.frames.iter().find_map(|(_, scene)| scene.backdrop.as_ref());
+        let image = self.backdrop.as_ref().or_else(own).filter(|image| image.is_valid());
+        if let Some(Backdrop { min, max, .. }) = image {
+            return Bounds { min: *min, max: *max };
         }
         let all = self.frames.iter().filter_map(|(_, scene)| Bounds::of(scene));
         let nothing = Bounds { min: (-1.0, -1.0), max: (1.0, 1.0) };
