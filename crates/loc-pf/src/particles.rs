@@ -51,7 +51,7 @@ pub struct PosesMut<'a> {
     pub theta: &'a mut [f64],
 }
 
-impl Poses<'_> {
+impl<'a> Poses<'a> {
     /// Number of poses.
     pub fn len(&self) -> usize {
         self.x.len()
@@ -63,7 +63,7 @@ impl Poses<'_> {
     }
 
     /// The poses one by one.
-    pub fn iter(&self) -> impl Iterator<Item = Pose2> + '_ {
+    pub fn iter(self) -> impl Iterator<Item = Pose2> + 'a {
         let coordinates = self.x.iter().zip(self.y).zip(self.theta);
         coordinates.map(|((&x, &y), &theta)| Pose2 { x, y, theta })
     }
@@ -100,6 +100,13 @@ impl Particles {
         self.y.push(pose.y);
         self.theta.push(pose.theta);
         self.log_weight.push(log_weight);
+    }
+
+    /// Takes all particles away; their memory is kept.
+    pub fn clear(&mut self) {
+        for column in [&mut self.x, &mut self.y, &mut self.theta, &mut self.log_weight] {
+            column.clear();
+        }
     }
 
     /// Number of particles.

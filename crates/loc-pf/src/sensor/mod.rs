@@ -4,8 +4,12 @@
 //! measurement alone is computed once. Anything that rates a pose is a [`Likelihood`], a closure
 //! too.
 
+pub mod beam;
+pub mod landmark;
 mod likelihood_field;
 
+pub use beam::{BeamLikelihood, BeamModel, BeamModelSettings};
+pub use landmark::LandmarkLikelihood;
 pub use likelihood_field::FieldLikelihood;
 
 use crate::Poses;

@@ -7,7 +7,7 @@ use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_core::random::stream;
 use loc_pf::Mcl;
-use loc_pf::mcl::MountedScan;
+use loc_pf::mcl::{MountedScan, Update};
 
 #[derive(Debug)]
 pub(super) struct ScanMcl {
@@ -40,7 +40,11 @@ impl Localizer for ScanMcl {
 
     fn correct(&mut self, _stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
         if let Measurement::Scan { scan, mounting } = measurement {
-            self.mcl.update(self.odometry, &[MountedScan { scan, mounting: *mounting }])?;
+            let scan = MountedScan { scan, mounting: *mounting };
+            if let Update::Done { .. } = self.mcl.update(self.odometry, &[scan])? {
+                let used = Judgement { accepted: true, ..Judgement::REFUSED };
+                return Ok(vec![used]);
+            }
         }
         Ok(Vec::new())
     }

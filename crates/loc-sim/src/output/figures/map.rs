@@ -107,7 +107,8 @@ fn extent(run: &Run) -> f64 {
 
 fn subtitle(run: &Run) -> String {
     let methods: Vec<&str> = run.methods.iter().map(|record| record.method.name()).collect();
-    format!("{}, {:.1} m in {:.1} s", methods.join(" and "), run.distance(), run.duration())
+    let distance = run.distance().map_or(String::new(), |distance| format!("{distance:.1} m in "));
+    format!("{}, {distance}{:.1} s", methods.join(" and "), run.duration())
 }
 
 fn marked(estimates: &[Estimate]) -> impl Iterator<Item = &Estimate> {

@@ -37,6 +37,9 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     }
     let mut figures = vec![map::map(run, title)];
     figures.extend(clouds::clouds(run));
+    if run.truth.is_empty() {
+        return figures;
+    }
     figures.push(errors::errors(run));
     figures.extend(errors::consistency(run));
     figures
