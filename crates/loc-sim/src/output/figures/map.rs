@@ -26,7 +26,8 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
         let label = format!("{}, 2 sigma", record.method);
         let ellipses = marked(&record.estimates).filter_map(two_sigma);
         // The ellipses of a method that is lost would hide everything else.
-        let fits = |ellipse: &Ellipse| run.methods.len() == 1 || ellipse.semi_major < largest;
+        let alone = run.methods.len() == 1 && record.snapshots.is_empty();
+        let fits = |ellipse: &Ellipse| alone || ellipse.semi_major < largest;
         scene = scene.ellipses(Role::Method(k).width(0.9), &label, ellipses.filter(fits));
     }
     if let Some(seen) = run.methods.iter().rev().find_map(measured) {
@@ -92,7 +93,8 @@ fn kidnapping(run: &Run, scene: Scene) -> Scene {
         let [from, to] = [0, 1].map(|k| (pair[k].value.pose.x, pair[k].value.pose.y));
         [(from, "carried off"), (to, "put down")]
     });
-    scene.crosses(Role::Measurement, "kidnapping", places)
+    let places: Vec<_> = places.collect();
+    if places.is_empty() { scene } else { scene.crosses(Role::Measurement, "kidnapping", places) }
 }
 
 /// Diagonal of the box around the true path \[m\].
