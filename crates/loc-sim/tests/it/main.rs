@@ -16,6 +16,8 @@ mod layering;
 mod map;
 mod metrics;
 mod mrclam;
+mod particles;
 mod recordings;
 mod scenarios;
 mod sense;
+mod tour;

@@ -100,7 +100,8 @@ fn draw(writer: &mut Writer, picture: &Picture, left: f64, top: f64, width: f64)
     }
 }
 
-/// Draws what colours mean; returns where it ends \[px\].
+/// Draws a strip of colours with its numbers below and its name beside it; returns where it ends
+/// \[px\].
 pub(super) fn draw_bar(
     writer: &mut Writer,
     bar: &ColorBar,
