@@ -71,7 +71,7 @@ impl Motion for Leg {
 }
 
 /// A lower triangular L with `L L^T` = the covariance; a pivot that vanishes leaves its column 0.
-fn lower_factor(covariance: &Matrix3<f64>) -> Matrix3<f64> {
+pub(super) fn lower_factor(covariance: &Matrix3<f64>) -> Matrix3<f64> {
     let mut l = Matrix3::zeros();
     for j in 0..3 {
         let pivot = covariance[(j, j)] - (0..j).map(|k| l[(j, k)] * l[(j, k)]).sum::<f64>();

@@ -1,5 +1,6 @@
 //! What the filters are told, in the units of configuration files.
 
+use super::LandmarkMclConfig;
 use crate::Result;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
 use loc_core::error::{non_negative, positive};
@@ -21,6 +22,8 @@ pub struct FilterConfig {
     pub gate_probability: Option<f64>,
     /// How late an input may come.
     pub horizon_s: Option<f64>,
+    /// What `mcl` is told beside.
+    pub mcl: LandmarkMclConfig,
 }
 
 impl FilterConfig {

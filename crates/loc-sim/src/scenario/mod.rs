@@ -13,9 +13,11 @@
 
 pub mod builtin;
 mod filter;
+mod landmark_mcl;
 pub mod recording;
 
 pub use filter::FilterConfig;
+pub use landmark_mcl::LandmarkMclConfig;
 pub use recording::RecordingConfig;
 
 use crate::localizer::{Method, MethodSettings};
@@ -134,6 +136,7 @@ impl Scenario {
         let filter = self.filter.clone().unwrap_or_default();
         Ok(MethodSettings {
             landmark: filter.apply(sensors)?,
+            landmark_mcl: filter.mcl.settings()?,
             rail: self.rail.as_ref().map(RailConfig::settings).unwrap_or_default(),
             seed: self.seed,
             ..Default::default()

@@ -104,7 +104,8 @@ impl RecordingConfig {
     /// [`loc_core::Error::OutOfRange`].
     pub fn settings(&self) -> Result<MethodSettings> {
         let landmark = self.filter.apply(LandmarkSettings::default())?;
-        Ok(MethodSettings { landmark, ..MethodSettings::default() })
+        let landmark_mcl = self.filter.mcl.settings()?;
+        Ok(MethodSettings { landmark, landmark_mcl, ..MethodSettings::default() })
     }
 }
 
