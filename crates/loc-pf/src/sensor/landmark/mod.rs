@@ -97,7 +97,7 @@ impl SightModel {
 /// Sightings of one moment before a map, ready to rate poses.
 ///
 /// Many poses are rated in single precision, relative to the first landmark: a pose 100 m from it
-/// is rounded by 4 um, an angle by 0.4 urad, the logarithm by 2e-6 and a relative 1e-6.
+/// is rounded by 4 um, an angle by 4 urad, the logarithm by 1e-5 and a relative 2e-5.
 /// [`log_likelihood`](LandmarkLikelihood::log_likelihood) is the plain form in double precision.
 #[derive(Debug, Clone)]
 pub struct LandmarkLikelihood {
