@@ -11,12 +11,10 @@ use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
 use loc_maps::{Landmark, LandmarkMap};
+use loc_pf::motion::VelocityStep;
 use loc_pf::sensor::landmark::{LandmarkLikelihood, SightModel};
-use loc_pf::{
-    LandmarkMcl, LandmarkMclSettings, Motion, ParticleFilter, Particles, PosesMut, Resampling,
-};
+use loc_pf::{LandmarkMcl, LandmarkMclSettings, ParticleFilter, Particles, Resampling};
 use loc_sensors::landmark_camera::{LandmarkNoise, Sight, Sighting};
-use rand_distr::{Distribution, StandardNormal};
 use std::hint::black_box;
 
 const PARTICLES: usize = 10_000;
@@ -25,29 +23,6 @@ const DT: f64 = 0.1;
 const TWIST: Twist2 = Twist2 { vx: 0.0, vy: 0.0, omega: 0.1 };
 const NOISE: LandmarkNoise =
     LandmarkNoise { range_sigma: 0.1, range_sigma_per_m: 0.0, bearing_sigma: 0.05 };
-
-/// The motion of M4: a noisy velocity, then the exact arc.
-struct Velocity {
-    twist: Twist2,
-    dt: f64,
-    noise: VelocityNoise,
-}
-
-impl Motion for Velocity {
-    fn sample(&self, poses: PosesMut<'_>, rng: &mut ChaCha8Rng) {
-        let sigmas = self.noise.variances(self.twist, self.dt).map(f64::sqrt);
-        let mut draw = |sigma: f64| -> f64 {
-            let unit: f64 = StandardNormal.sample(rng);
-            sigma * unit
-        };
-        for ((x, y), theta) in poses.x.iter_mut().zip(poses.y).zip(poses.theta) {
-            let (v, omega) = (self.twist.vx + draw(sigmas.x), self.twist.omega + draw(sigmas.z));
-            let pose = Pose2 { x: *x, y: *y, theta: *theta };
-            let moved = Integration::Midpoint.step(pose, Twist2::forward(v, omega), self.dt);
-            (*x, *y, *theta) = (moved.x, moved.y, moved.theta);
-        }
-    }
-}
 
 fn map() -> LandmarkMap {
     let places = [(4.0, 0.0), (3.0, 3.0), (0.0, 5.0), (-4.0, 1.0), (-2.0, -3.0), (2.0, -4.0)];
@@ -95,7 +70,7 @@ fn weigh(c: &mut Criterion) {
 fn step(c: &mut Criterion) {
     let mut group = c.benchmark_group("landmark-mcl/step 10000 x 6");
     let (map, noise) = (map(), VelocityNoise::default());
-    let motion = Velocity { twist: TWIST, dt: DT, noise };
+    let motion = VelocityStep::new(TWIST, DT, &noise, Integration::Midpoint).expect("valid");
     let mut rng = stream(1, "bench");
     let start = cloud(&mut rng);
     let mut filter = ParticleFilter::new(start.clone(), rng.clone());

@@ -3,7 +3,7 @@
 //! ```
 //! use loc_core::random::stream;
 //! use loc_core::{Gaussian, Pose2, gaussian::pose_belief};
-//! use loc_pf::{Particles, ParticleFilter, Resampling};
+//! use loc_pf::{ParticleFilter, Particles, Resampling};
 //! let mut rng = stream(1, "filter");
 //! let start = pose_belief(Pose2::IDENTITY, [1.0, 1.0, 0.1]);
 //! let mut filter = ParticleFilter::new(Particles::from_gaussian(&start, 1000, &mut rng), rng);
@@ -15,8 +15,10 @@
 //! assert!((mean - 0.5).abs() < 0.05);
 //! ```
 
-use crate::{Likelihood, Motion, Particles, Resampling, Workers};
+use crate::resample::Wheel;
+use crate::{Kld, Likelihood, Motion, Particles, Resampling, Workers};
 use loc_core::random::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// A cloud of particles with its randomness and its threads.
 #[derive(Debug)]
@@ -24,6 +26,7 @@ pub struct ParticleFilter {
     particles: Particles,
     /// The particles before the last resampling; kept for its memory.
     spare: Particles,
+    wheel: Wheel,
     indices: Vec<u32>,
     rng: ChaCha8Rng,
     workers: Workers,
@@ -32,8 +35,8 @@ pub struct ParticleFilter {
 impl ParticleFilter {
     /// A filter that starts from a cloud and draws from `rng`, on the calling thread.
     pub fn new(particles: Particles, rng: ChaCha8Rng) -> Self {
-        let (spare, indices) = (Particles::new(), Vec::new());
-        ParticleFilter { particles, spare, indices, rng, workers: Workers::one() }
+        let (spare, wheel, indices) = (Particles::new(), Wheel::new(), Vec::new());
+        ParticleFilter { particles, spare, wheel, indices, rng, workers: Workers::one() }
     }
 
     /// The same with other threads; the results stay the same.
@@ -75,12 +78,36 @@ impl ParticleFilter {
 
     /// Draws `count` particles in proportion to their weights (M8, M9), which are equal afterwards.
     pub fn resample(&mut self, scheme: Resampling, count: usize) {
-        if self.particles.is_empty() {
-            return;
-        }
-        let weights = self.particles.log_weights();
-        scheme.draw(weights, count, &mut self.rng, &mut self.indices);
+        self.wheel.set(self.particles.log_weights());
+        scheme.spin(&self.wheel, count, &mut self.rng, &mut self.indices);
+        self.copy_drawn();
+    }
+
+    /// The same with as many particles as the spread of the cloud asks for; says how many.
+    pub fn resample_adaptively(&mut self, scheme: Resampling, kld: &mut Kld) -> usize {
+        self.wheel.set(self.particles.log_weights());
+        let poses = self.particles.poses();
+        kld.draw(scheme, &self.wheel, poses, &mut self.rng, &mut self.indices);
+        self.copy_drawn();
+        self.particles.len()
+    }
+
+    fn copy_drawn(&mut self) {
         std::mem::swap(&mut self.particles, &mut self.spare);
         self.particles.copy_selected(&self.spare, &self.indices);
+    }
+
+    /// Does `work` on every part, each with a random stream of its own.
+    pub(crate) fn for_each_part<T: Send>(
+        &mut self,
+        parts: &mut [T],
+        work: impl Fn(&mut T, &mut ChaCha8Rng) + Sync,
+    ) {
+        let seed = self.rng.next_u64();
+        self.workers.for_each(parts.iter_mut().enumerate(), |(number, part)| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(number as u64);
+            work(part, &mut rng);
+        });
     }
 }

@@ -2,10 +2,10 @@
 
 use crate::estimate::moments;
 use crate::free_space::FreeSpace;
-use crate::motion::DifferentialStep;
+use crate::motion::{DrivenPath, NoisyStep};
 use crate::sensor::FieldLikelihood;
+use crate::tempering::{Tempering, TemperingReport};
 use crate::{Estimate, MclSettings, ParticleFilter, Particles, Result, Workers};
-use loc_core::motion::OdometryMotion;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Pose2};
 use loc_maps::likelihood_field::Endpoints;
@@ -28,12 +28,7 @@ pub enum Update {
     /// Nothing: the robot has not moved enough since the last update.
     StoodStill,
     /// The cloud was moved and weighed.
-    Done {
-        /// Effective sample size before resampling.
-        effective_sample_size: f64,
-        /// Whether the cloud was resampled.
-        resampled: bool,
-    },
+    Done(TemperingReport),
 }
 
 /// A robot with a laser in a known map.
@@ -43,8 +38,11 @@ pub struct Mcl {
     free_space: FreeSpace,
     field: LikelihoodField,
     filter: ParticleFilter,
-    /// The odometry at the last update.
-    odometry: Option<Pose2>,
+    tempering: Tempering,
+    /// The way since the last update.
+    path: Option<DrivenPath>,
+    /// Whether the cloud has seen a scan since it was spread.
+    has_seen: bool,
 }
 
 impl Mcl {
@@ -58,7 +56,9 @@ impl Mcl {
         let free_space = FreeSpace::new(map)?;
         let workers = Workers::new(settings.threads)?;
         let filter = ParticleFilter::new(Particles::new(), rng).with_workers(workers);
-        let mut mcl = Mcl { settings, free_space, field, filter, odometry: None };
+        let tempering = Tempering::new(settings.tempering)?;
+        let mut mcl =
+            Mcl { settings, free_space, field, filter, tempering, path: None, has_seen: false };
         mcl.start_anywhere();
         Ok(mcl)
     }
@@ -69,7 +69,7 @@ impl Mcl {
         let rng = self.filter.rng_mut();
         let cloud = Particles::from_poses((0..count).map(|_| self.free_space.draw(rng)));
         *self.filter.particles_mut() = cloud;
-        self.odometry = None;
+        (self.path, self.has_seen) = (None, false);
     }
 
     /// Starts from a belief about the pose (A1).
@@ -77,7 +77,7 @@ impl Mcl {
         let count = self.settings.particles;
         let cloud = Particles::from_gaussian(belief, count, self.filter.rng_mut());
         *self.filter.particles_mut() = cloud;
-        self.odometry = None;
+        (self.path, self.has_seen) = (None, false);
     }
 
     /// Takes in the odometry's pose and what the lasers measured there.
@@ -85,28 +85,24 @@ impl Mcl {
     /// # Errors
     /// A scan that cannot be one, an odometry pose that is not finite.
     pub fn update(&mut self, odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<Update> {
-        let last = *self.odometry.get_or_insert(odometry);
-        let step = last.between(odometry);
-        let first = last == odometry;
-        if !first
+        let path = self.path.get_or_insert(DrivenPath::starting_at(odometry));
+        path.extend(odometry);
+        let step = path.step();
+        if self.has_seen
             && f64::hypot(step.x, step.y) < self.settings.update_distance
             && step.theta.abs() < self.settings.update_turn
         {
             return Ok(Update::StoodStill);
         }
-        let motion = OdometryMotion::between(last, odometry);
-        self.filter.predict(&DifferentialStep { motion, noise: self.settings.motion });
-        self.odometry = Some(odometry);
+        let step = NoisyStep::new(path, &self.settings.motion);
+        *path = DrivenPath::starting_at(odometry);
         let endpoints = self.endpoints(scans);
-        let exponent = self.settings.scan_exponent;
-        self.filter.weigh(&FieldLikelihood { field: &self.field, endpoints: &endpoints, exponent });
-        self.filter.normalize();
-        let effective_sample_size = self.filter.particles().effective_sample_size();
-        let resampled = effective_sample_size < 0.5 * self.settings.particles as f64;
-        if resampled {
-            self.filter.resample(self.settings.resampling, self.settings.particles);
-        }
-        Ok(Update::Done { effective_sample_size, resampled })
+        let exponent = (self.settings.independent_beams / endpoints.len().max(1) as f64).min(1.0);
+        let scan = FieldLikelihood { field: &self.field, endpoints: &endpoints, exponent };
+        let count = self.settings.particles;
+        let report = self.tempering.update(&mut self.filter, &step, &scan, count);
+        self.has_seen = true;
+        Ok(Update::Done(report))
     }
 
     /// Where the beams of all lasers end, in the robot's frame.
@@ -120,13 +116,13 @@ impl Mcl {
 
     /// What the cloud says about the pose at the last update.
     pub fn estimate(&self) -> Estimate {
-        Estimate { belief: moments(self.filter.particles()) }
+        Estimate { belief: moments(self.filter.particles()), clusters: Vec::new() }
     }
 
     /// The pose of the odometry's frame in the map (`map_from_odom`), `None` before the first
     /// update.
     pub fn map_from_odom(&self) -> Option<Pose2> {
-        self.odometry.map(|odometry| self.estimate().belief.pose() * odometry.inverse())
+        self.path.map(|path| self.estimate().belief.pose() * path.start().inverse())
     }
 
     /// The cloud.

@@ -1,8 +1,9 @@
 //! All settings of Monte Carlo localization, with defaults that serve most robots.
 
+use crate::motion::PathNoise;
+use crate::tempering::TemperingSettings;
 use crate::{Resampling, Result};
 use loc_core::error::{non_negative, positive};
-use loc_core::motion::OdometryNoise;
 use loc_maps::likelihood_field::LikelihoodFieldSettings;
 
 /// Settings of [`Mcl`](crate::Mcl).
@@ -13,13 +14,16 @@ pub struct MclSettings {
     /// Number of particles.
     pub particles: usize,
     /// Noise of the odometry.
-    pub motion: OdometryNoise,
+    pub motion: PathNoise,
     /// The likelihood field.
     pub field: LikelihoodFieldSettings,
     /// Most beams of a scan that are used.
     pub beams: usize,
-    /// Power to which the likelihood of a scan is raised.
-    pub scan_exponent: f64,
+    /// As how many independent beams a scan counts, if it has more: its beams see the same walls,
+    /// with the same errors of the map.
+    pub independent_beams: f64,
+    /// How narrow likelihoods are taken in.
+    pub tempering: TemperingSettings,
     /// No update before the robot has driven this far \[m\] (`update_min_d`) ..
     pub update_distance: f64,
     /// .. or turned this much \[rad\] (`update_min_a`).
@@ -33,13 +37,19 @@ pub struct MclSettings {
 impl Default for MclSettings {
     fn default() -> Self {
         MclSettings {
-            particles: 2000,
-            motion: OdometryNoise { alpha1: 0.2, alpha2: 0.2, alpha3: 0.2, alpha4: 0.2 },
-            field: LikelihoodFieldSettings::default(),
+            particles: 500,
+            motion: PathNoise::default(),
+            field: LikelihoodFieldSettings {
+                sigma_hit: 0.05,
+                z_hit: 0.8,
+                z_rand: 0.2,
+                ..LikelihoodFieldSettings::default()
+            },
             beams: 60,
-            scan_exponent: 1.0,
-            update_distance: 0.25,
-            update_turn: 0.2,
+            independent_beams: 20.0,
+            tempering: TemperingSettings::default(),
+            update_distance: 0.1,
+            update_turn: 0.1,
             resampling: Resampling::default(),
             threads: 1,
         }
@@ -58,7 +68,9 @@ impl MclSettings {
             return Err(loc_core::Error::Length { what, expected, found: 0 }.into());
         }
         self.field.validate()?;
-        positive("scan_exponent", self.scan_exponent)?;
+        self.motion.validate()?;
+        self.tempering.validate()?;
+        positive("independent_beams", self.independent_beams)?;
         non_negative("update_distance [m]", self.update_distance)?;
         non_negative("update_turn [rad]", self.update_turn)?;
         Ok(())

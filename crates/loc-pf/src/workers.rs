@@ -69,7 +69,11 @@ impl Workers {
     }
 
     /// Does `work` on every item, in any order.
-    fn for_each<T: Send>(&self, items: impl Iterator<Item = T> + Send, work: impl Fn(T) + Sync) {
+    pub(crate) fn for_each<T: Send>(
+        &self,
+        items: impl Iterator<Item = T> + Send,
+        work: impl Fn(T) + Sync,
+    ) {
         #[cfg(feature = "threads")]
         if let Some(pool) = &self.pool {
             use rayon::iter::{IntoParallelIterator, ParallelIterator};

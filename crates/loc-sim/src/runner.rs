@@ -1,24 +1,27 @@
 //! Runs several methods side by side over one stream of events.
 
-use crate::event::{Event, Payload, Truth};
+use crate::event::{Event, Measurement, Payload, Truth};
 use crate::localizer::{Localizer, Method, MethodSettings};
-use crate::record::{MethodRecord, Run};
+use crate::record::{MethodRecord, Run, Snapshots};
 use crate::source::Source;
 use crate::{Error, Result};
 use loc_core::Stamped;
 use std::time::Instant;
 
-/// Shortest time between two recorded truths \[s\].
-const TRUTH_PERIOD: f64 = 0.1;
+/// Shortest time between two estimates that are asked for \[s\].
+const PERIOD: f64 = 0.1;
 
-/// Rounding that a period of exactly [`TRUTH_PERIOD`] may have \[s\].
+/// Rounding that a period of exactly [`PERIOD`] may have \[s\].
 const ROUNDING: f64 = 1e-6;
 
 /// Runs methods over a source to its end. `progress` is told the share that is done, in \[0, 1\],
-/// at every recorded truth.
+/// at every estimate.
+///
+/// Estimates are asked for at every true pose or, from a source without any, after every scan.
 ///
 /// # Errors
-/// What the source or a method reports; [`Error::NoTruth`] where there is nothing to judge by.
+/// What the source or a method reports; [`Error::NoTruth`] where true poses were promised and
+/// none came, or where there was no scan either.
 pub fn run(
     source: &mut dyn Source,
     methods: &[Method],
@@ -28,31 +31,38 @@ pub fn run(
     let setup = source.setup().clone();
     let mut runners = Vec::with_capacity(methods.len());
     for &method in methods {
-        runners.push(Runner::new(method, method.start(&setup, settings)?));
+        runners.push(Runner::new(method, method.start(&setup, settings)?, setup.start));
     }
-    let mut truth: Vec<Stamped<Truth>> = Vec::new();
+    let samples_at = if source.has_truth() { is_truth } else { is_scan };
+    let (mut stamps, mut truth): (Vec<f64>, Vec<Stamped<Truth>>) = Default::default();
     while let Some(event) = source.next_event()? {
-        match event.payload {
-            Payload::Truth(value) => {
-                let due = truth.last().map_or(setup.start, |last| last.stamp + TRUTH_PERIOD);
-                if event.stamp >= due - ROUNDING {
-                    truth.push(Stamped { stamp: event.stamp, value });
-                    runners.iter_mut().try_for_each(|runner| runner.estimate(event.stamp))?;
-                    progress(share(setup.start, setup.end, event.stamp));
-                }
-            }
-            Payload::Control(_) | Payload::Measurement(_) => {
-                runners.iter_mut().try_for_each(|runner| runner.take(&event))?;
-            }
+        runners.iter_mut().try_for_each(|runner| runner.take(&event))?;
+        let due = stamps.last().map_or(setup.start, |last| last + PERIOD);
+        if !samples_at(&event) || event.stamp < due - ROUNDING {
+            continue;
         }
+        if let Payload::Truth(value) = event.payload {
+            truth.push(Stamped { stamp: event.stamp, value });
+        }
+        stamps.push(event.stamp);
+        runners.iter_mut().try_for_each(|runner| runner.estimate(event.stamp))?;
+        progress(share(setup.start, setup.end, event.stamp));
     }
     progress(1.0);
-    if truth.is_empty() {
+    if stamps.is_empty() {
         return Err(Error::NoTruth { source_name: setup.name });
     }
     let notes = source.notes();
     let methods = runners.into_iter().map(|runner| runner.record).collect();
-    Ok(Run { setup, settings: settings.clone(), truth, methods, notes })
+    Ok(Run { setup, settings: settings.clone(), stamps, truth, methods, notes })
+}
+
+fn is_truth(event: &Event) -> bool {
+    matches!(event.payload, Payload::Truth(_))
+}
+
+fn is_scan(event: &Event) -> bool {
+    matches!(event.payload, Payload::Measurement(Measurement::Scan { .. }))
 }
 
 /// One method with its record and its stopwatch.
@@ -62,15 +72,25 @@ struct Runner {
 }
 
 impl Runner {
-    fn new(method: Method, localizer: Box<dyn Localizer>) -> Self {
+    fn new(method: Method, localizer: Box<dyn Localizer>, start: f64) -> Self {
         let record = MethodRecord {
             method,
             estimates: Vec::new(),
             judgements: Vec::new(),
+            snapshots: Snapshots::default(),
             updates: 0,
             runtime: 0.0,
         };
-        Runner { localizer, record }
+        let mut runner = Runner { localizer, record };
+        runner.keep_cloud(start);
+        runner
+    }
+
+    /// Keeps the method's particles for figures; this does not count as its time.
+    fn keep_cloud(&mut self, stamp: f64) {
+        if let Some(cloud) = self.localizer.cloud() {
+            self.record.snapshots.offer(stamp, cloud);
+        }
     }
 
     fn take(&mut self, event: &Event) -> Result<()> {
@@ -87,6 +107,9 @@ impl Runner {
         }
         self.record.updates += 1;
         self.record.runtime += started.elapsed().as_secs_f64();
+        if matches!(event.payload, Payload::Measurement(_)) {
+            self.keep_cloud(stamp);
+        }
         Ok(())
     }
 

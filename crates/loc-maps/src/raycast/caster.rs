@@ -43,9 +43,16 @@ impl RayCaster {
         self.lines.iter().map(BitLines::bytes).sum()
     }
 
-    /// The length at which a ray meets its first occupied cell \[cells\].
+    /// The length at which a ray meets its first occupied cell, `None` where there is none within
+    /// `max_length`. All in the grid's frame \[cells\], the direction a unit vector: for loops that
+    /// turn directions themselves instead of asking for sine and cosine at every ray.
     #[inline(always)]
-    fn cast_in_cells(&self, start: [f64; 2], direction: [f64; 2], max_length: f64) -> Option<f64> {
+    pub fn cast_in_cells(
+        &self,
+        start: [f64; 2],
+        direction: [f64; 2],
+        max_length: f64,
+    ) -> Option<f64> {
         let size = [self.frame.width(), self.frame.height()];
         let is_inside = |axis: usize| start[axis] >= 0.0 && start[axis] < size[axis] as f64;
         let ray = if is_inside(0) && is_inside(1) {

@@ -1,13 +1,13 @@
 //! One step of the filter: drive to the sightings, weigh by them, resample.
 
-use super::LandmarkMcl;
-use super::leg::{legs, lower_factor};
+use super::leg::legs;
+use super::{LandmarkMcl, State};
 use crate::estimate::moments;
 use crate::sensor::landmark::{LandmarkLikelihood, SensorResetting, Trust, anywhere};
 use crate::{Particles, Result};
 use loc_core::motion::dead_reckon;
 use loc_core::random::ChaCha8Rng;
-use loc_core::{Gaussian, Pose2, angle};
+use loc_core::{Pose2, angle};
 use loc_maps::Bounds;
 use loc_sensors::landmark_camera::Sighting;
 use nalgebra::Vector3;
@@ -50,14 +50,20 @@ impl LandmarkMcl {
             return;
         }
         let (integration, noise) = (self.settings.integration, &self.settings.motion_noise);
-        for leg in legs(self.velocities.between(from, stamp), integration, noise) {
-            self.filter.predict(&leg);
-        }
+        self.state.stamp = stamp;
+        let Ok(legs) = legs(self.velocities.between(from, stamp), integration, noise) else {
+            // Further than any robot drives, it may be anywhere.
+            let count = self.settings.particles;
+            let cloud = scattered(&self.region, count, self.filter.rng_mut());
+            self.state = State { belief: moments(&cloud), anywhere: true, ..self.state };
+            *self.filter.particles_mut() = cloud;
+            return;
+        };
+        legs.iter().for_each(|leg| self.filter.predict(leg));
         let drive = self.velocities.between(from, stamp);
         self.state.belief = drive.fold(self.state.belief, |belief, hold| {
             dead_reckon(&belief, hold.twist, hold.duration, integration, noise)
         });
-        self.state.stamp = stamp;
     }
 
     /// Takes in sightings at a time \[s\] not before the last ones.
@@ -172,12 +178,12 @@ impl LandmarkMcl {
     /// Moves copies of one particle apart and the cloud together by as much, so that its mean and
     /// covariance stay (Liu and West 2001).
     fn roughen(&mut self) {
-        let Gaussian { mean, covariance } = self.state.belief;
+        let mean = self.state.belief.mean;
         let width = self.kernel_width();
         if width <= 0.0 {
             return;
         }
-        let kernel = width * lower_factor(&covariance);
+        let kernel = width * self.state.belief.factor();
         let together = (1.0 - width * width).sqrt();
         for k in 0..self.filter.particles().len() {
             let mut deviation = self.filter.particles().pose(k).to_vector() - mean;

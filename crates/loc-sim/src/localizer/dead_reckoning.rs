@@ -1,28 +1,45 @@
-//! `dead-reckoning`: odometry alone, with its growing covariance (E2, E6).
+//! `dead-reckoning`: odometry alone, with its growing covariance (E2, E6, E7).
 
-use super::{Estimate, Judgement, Localizer};
+use super::{Estimate, Judgement, Localizer, MethodSettings};
 use crate::Result;
 use crate::event::{Control, Measurement};
-use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings};
-use loc_maps::LandmarkMap;
-
 use crate::source::Setup;
+use loc_core::{Gaussian, Pose2};
+use loc_filters::landmark::LandmarkLocalizer;
+use loc_maps::LandmarkMap;
+use loc_pf::motion::{DrivenPath, NoisyStep, PathNoise};
 
-/// The prediction step of the landmark filter, without its corrections.
+/// Velocities by the prediction step of the landmark filter, without its corrections; poses of an
+/// odometry by [`OdometryDrive`].
 #[derive(Debug)]
-pub(super) struct DeadReckoning(LandmarkLocalizer);
+pub(super) struct DeadReckoning {
+    velocities: LandmarkLocalizer,
+    start: Gaussian<3>,
+    noise: PathNoise,
+    drive: Option<OdometryDrive>,
+}
 
 impl DeadReckoning {
-    pub(super) fn new(setup: &Setup, settings: LandmarkSettings) -> Result<Self> {
-        let none = LandmarkMap::default();
-        Ok(DeadReckoning(LandmarkLocalizer::new(none, settings, setup.start, setup.start_belief)?))
+    pub(super) fn new(setup: &Setup, settings: &MethodSettings) -> Result<Self> {
+        let (none, start) = (LandmarkMap::default(), setup.start_belief);
+        Ok(DeadReckoning {
+            velocities: LandmarkLocalizer::new(none, settings.landmark, setup.start, start)?,
+            start,
+            noise: settings.mcl.motion,
+            drive: None,
+        })
     }
 }
 
 impl Localizer for DeadReckoning {
     fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
-        if let Control::Velocity(twist) = control {
-            self.0.velocity(stamp, *twist)?;
+        match control {
+            Control::Velocity(twist) => self.velocities.velocity(stamp, *twist)?,
+            Control::Odometry(pose) => {
+                let begin = || OdometryDrive { belief: self.start, odometry: *pose };
+                self.drive.get_or_insert_with(begin).move_to(*pose, &self.noise);
+            }
+            Control::Acceleration(_) => {}
         }
         Ok(())
     }
@@ -32,6 +49,26 @@ impl Localizer for DeadReckoning {
     }
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {
-        Ok(self.0.estimate(stamp)?.into())
+        Ok(match &self.drive {
+            Some(drive) => drive.belief.into(),
+            None => self.velocities.estimate(stamp)?.into(),
+        })
+    }
+}
+
+/// The start pose carried along by the poses of an odometry: `map_from_odom` never changes, while
+/// the covariance grows with the way driven and the turning done (E6, E7).
+#[derive(Debug)]
+struct OdometryDrive {
+    belief: Gaussian<3>,
+    odometry: Pose2,
+}
+
+impl OdometryDrive {
+    fn move_to(&mut self, odometry: Pose2, noise: &PathNoise) {
+        let mut path = DrivenPath::starting_at(self.odometry);
+        path.extend(odometry);
+        self.belief = NoisyStep::new(&path, noise).belief_after(&self.belief);
+        self.odometry = odometry;
     }
 }

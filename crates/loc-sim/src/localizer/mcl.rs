@@ -1,13 +1,13 @@
 //! `mcl`: Monte Carlo localization with a laser in an occupancy grid (M).
 
-use super::{Estimate, Judgement, Localizer, MethodSettings};
+use super::{Cloud, Estimate, Judgement, Localizer, MethodSettings};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_core::random::stream;
 use loc_pf::Mcl;
-use loc_pf::mcl::MountedScan;
+use loc_pf::mcl::{MountedScan, Update};
 
 #[derive(Debug)]
 pub(super) struct ScanMcl {
@@ -40,7 +40,11 @@ impl Localizer for ScanMcl {
 
     fn correct(&mut self, _stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
         if let Measurement::Scan { scan, mounting } = measurement {
-            self.mcl.update(self.odometry, &[MountedScan { scan, mounting: *mounting }])?;
+            let scan = MountedScan { scan, mounting: *mounting };
+            if let Update::Done { .. } = self.mcl.update(self.odometry, &[scan])? {
+                let used = Judgement { accepted: true, ..Judgement::REFUSED };
+                return Ok(vec![used]);
+            }
         }
         Ok(Vec::new())
     }
@@ -50,5 +54,9 @@ impl Localizer for ScanMcl {
         let map_from_odom = self.mcl.map_from_odom();
         let pose = map_from_odom.map_or(belief.pose(), |frame| frame * self.odometry);
         Ok(Estimate { pose, covariance: Some(belief.covariance), rail: None })
+    }
+
+    fn cloud(&self) -> Option<Cloud> {
+        Some(Cloud::of(self.mcl.particles()))
     }
 }

@@ -79,6 +79,16 @@ impl Method {
         }
     }
 
+    /// Whether it can find the robot without being told where it starts.
+    pub fn can_search(self) -> bool {
+        self == Method::Mcl
+    }
+
+    /// Whether it draws random numbers, so that its seed matters.
+    pub fn draws(self) -> bool {
+        self == Method::Mcl
+    }
+
     /// The method, ready to run on a source.
     ///
     /// # Errors
@@ -89,7 +99,7 @@ impl Method {
             Method::DeadReckoning if setup.rail.is_some() => {
                 Box::new(RailFilter::new(self.name(), setup, &settings.rail, false)?)
             }
-            Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings.landmark)?),
+            Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings)?),
             Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
             Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
             Method::Mcl if setup.map.is_none() && !setup.landmarks.is_empty() => {

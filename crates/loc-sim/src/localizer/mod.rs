@@ -2,6 +2,7 @@
 //!
 //! A new method is one file here that implements [`Localizer`], and one line in [`Method`].
 
+pub mod cloud;
 mod dead_reckoning;
 mod ekf;
 mod landmark_mcl;
@@ -9,6 +10,7 @@ mod mcl;
 mod method;
 mod rail;
 
+pub use cloud::Cloud;
 pub use method::{Method, MethodSettings, RailSettings};
 
 use crate::Result;
@@ -37,6 +39,12 @@ pub trait Localizer {
     /// # Errors
     /// What the filter refuses.
     fn estimate(&self, stamp: f64) -> Result<Estimate>;
+
+    /// The particles of a method that has any, for figures: thinned to at most
+    /// [`Cloud::MOST`](cloud::Cloud::MOST).
+    fn cloud(&self) -> Option<Cloud> {
+        None
+    }
 }
 
 /// Where a method believes the robot to be.

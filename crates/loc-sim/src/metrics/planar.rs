@@ -25,6 +25,19 @@ pub struct PlanarErrors {
     pub rpe_rot_rmse_deg: Option<f64>,
 }
 
+impl PlanarErrors {
+    /// The names of the figures.
+    pub const NAMES: [&str; 7] = [
+        "ate_rmse_m",
+        "ate_median_m",
+        "ate_max_m",
+        "heading_rmse_deg",
+        "final_error_m",
+        "rpe_trans_rmse_m",
+        "rpe_rot_rmse_deg",
+    ];
+}
+
 /// The errors over poses that are paired one to one, in order of time.
 ///
 /// The figures are those of [`evaluate`](super::evaluate) over the same poses.

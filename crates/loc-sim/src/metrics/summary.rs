@@ -1,6 +1,6 @@
 //! The figures of a run: what `summary.json` holds.
 
-use super::{Alignment, Pair, PlanarErrors, planar_errors, pose_nees};
+use super::{Alignment, Found, Pair, PlanarErrors, found, planar_errors, pose_nees};
 use crate::Result;
 use crate::record::{MethodRecord, Run};
 use serde::{Serialize, Serializer};
@@ -14,10 +14,10 @@ pub struct Summary {
     pub seed: Option<u64>,
     /// How estimates were carried into the frame of the truth before they were compared.
     pub align: &'static str,
-    /// From the first to the last truth.
+    /// From the first to the last estimate.
     pub duration_s: f64,
-    /// Way that the robot really drove.
-    pub distance_m: f64,
+    /// Way that the robot really drove; null without a truth.
+    pub distance_m: Option<f64>,
     /// One entry per method, in the order in which they were asked for.
     #[serde(serialize_with = "as_map")]
     pub methods: Vec<(String, MethodSummary)>,
@@ -28,9 +28,9 @@ pub struct Summary {
 /// The figures of one method. A figure without a meaning is `None`, null in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MethodSummary {
-    /// How far the estimates are off.
-    #[serde(flatten)]
-    pub errors: PlanarErrors,
+    /// How far the estimates are off; each figure null without a truth.
+    #[serde(flatten, serialize_with = "errors_or_nulls")]
+    pub errors: Option<PlanarErrors>,
     /// Mean normalised estimation error squared; 3 for an honest covariance of a pose.
     pub nees_mean: Option<f64>,
     /// Mean normalised innovation squared of the accepted measurements.
@@ -39,12 +39,15 @@ pub struct MethodSummary {
     pub measurements_used: usize,
     /// Measurements that did not.
     pub measurements_rejected: usize,
-    /// When a method that started without a pose had found it; null for one that was given it.
+    /// How long a method that started without a pose needed to find it, see [`found`]; null for
+    /// one that was given it, or that never did.
     pub converged_at_s: Option<f64>,
-    /// The same in measurements.
+    /// The same in measurements that it used.
     pub converged_after_updates: Option<usize>,
-    /// How long a method needed after a kidnapping; null without one.
+    /// How long a method needed after a kidnapping; null without one, or if it never recovered.
     pub recovered_after_s: Option<f64>,
+    /// The same in measurements that it used.
+    pub recovered_after_updates: Option<usize>,
     /// Time that the method took.
     pub runtime_s: f64,
     /// Controls and measurements that it took in.
@@ -86,15 +89,21 @@ impl MethodSummary {
         let accepted = || record.judgements.iter().filter(|j| j.value.accepted);
         let used = accepted().count();
         let faster = run.duration() / record.runtime;
+        let errors = (!pairs.is_empty()).then(|| planar_errors(&pairs, align)).transpose()?;
+        let searched = run.settings.global && record.method.can_search();
+        let converged = searched.then(|| found(run, record, run.setup.start)).flatten();
+        let recovered = run.setup.kidnapped_at.and_then(|at| found(run, record, at));
+        let (after, updates) = (|found: Found| found.after, |found: Found| found.updates);
         Ok(MethodSummary {
-            errors: planar_errors(&pairs, align)?,
+            errors,
             nees_mean: nees,
             nis_mean: mean(accepted().filter_map(|judgement| judgement.value.nis)),
             measurements_used: used,
             measurements_rejected: record.judgements.len() - used,
-            converged_at_s: None,
-            converged_after_updates: None,
-            recovered_after_s: None,
+            converged_at_s: converged.map(after),
+            converged_after_updates: converged.map(updates),
+            recovered_after_s: recovered.map(after),
+            recovered_after_updates: recovered.map(updates),
             runtime_s: record.runtime,
             updates: record.updates,
             realtime_factor: faster.is_finite().then_some(faster),
@@ -105,6 +114,17 @@ impl MethodSummary {
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, count) = values.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
     (count > 0).then(|| sum / count as f64)
+}
+
+/// The errors as they are, or null under each of their names.
+fn errors_or_nulls<S: Serializer>(
+    errors: &Option<PlanarErrors>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    match errors {
+        Some(errors) => errors.serialize(serializer),
+        None => serializer.collect_map(PlanarErrors::NAMES.map(|name| (name, None::<f64>))),
+    }
 }
 
 fn as_map<S: Serializer>(

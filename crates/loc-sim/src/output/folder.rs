@@ -78,7 +78,8 @@ impl Folder {
 /// Whether a file of this name can only come from a run.
 fn is_ours(name: &str) -> bool {
     let between = |start, end| name.starts_with(start) && name.ends_with(end);
-    between("estimate_", ".tum")
+    name == "truth.tum"
+        || between("estimate_", ".tum")
         || between("covariance_", ".csv")
         || super::figures::NAMES.contains(&name)
 }

@@ -1,6 +1,6 @@
 //! The table that a run prints.
 
-use crate::metrics::{MethodSummary, Summary};
+use crate::metrics::{MethodSummary, PlanarErrors, Summary};
 use crate::record::Run;
 use loc_core::frames::Kurt2Pose;
 
@@ -10,9 +10,9 @@ const COLUMNS: [&str; 7] =
 /// The methods with their errors, at most 80 columns wide, without a line break at its end.
 pub fn table(summary: &Summary) -> String {
     let mut lines = vec![format!(
-        "{}: {:.1} m in {:.1} s{}",
+        "{}: {}{:.1} s{}",
         summary.source,
-        summary.distance_m,
+        summary.distance_m.map_or(String::new(), |distance| format!("{distance:.1} m in ")),
         summary.duration_s,
         summary.seed.map_or(String::new(), |seed| format!(", seed {seed}")),
     )];
@@ -24,13 +24,20 @@ pub fn table(summary: &Summary) -> String {
 }
 
 fn row(name: &str, method: &MethodSummary) -> String {
-    let errors = &method.errors;
+    let errors = method.errors.as_ref();
+    let cell = |digits: usize, figure: fn(&PlanarErrors) -> f64| {
+        errors.map_or("-".into(), |errors| format!("{:.digits$}", figure(errors)))
+    };
     let cells = [
-        format!("{:.3}", errors.ate_rmse_m),
-        format!("{:.3}", errors.ate_max_m),
-        format!("{:.3}", errors.final_error_m),
-        format!("{:.2}", errors.heading_rmse_deg),
-        method.nees_mean.map_or("-".into(), |nees| format!("{nees:.2}")),
+        cell(3, |errors| errors.ate_rmse_m),
+        cell(3, |errors| errors.ate_max_m),
+        cell(3, |errors| errors.final_error_m),
+        cell(2, |errors| errors.heading_rmse_deg),
+        method.nees_mean.map_or("-".into(), |nees| match nees {
+            // A covariance far too small; its digits would push the columns apart.
+            1e4.. => format!("{nees:.0e}"),
+            _ => format!("{nees:.2}"),
+        }),
         method.measurements_used.to_string(),
         method.measurements_rejected.to_string(),
     ];

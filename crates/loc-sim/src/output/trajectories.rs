@@ -11,12 +11,14 @@ pub(super) fn add(folder: &mut Folder, run: &Run) -> Result<()> {
     for pose in &run.truth {
         truth.push(pose.stamp, pose.value.pose)?;
     }
-    folder.add("truth.tum", truth.to_tum());
+    if !truth.is_empty() {
+        folder.add("truth.tum", truth.to_tum());
+    }
     for record in &run.methods {
         let name = record.method.name();
         let mut estimate = Trajectory::new();
-        for (truth, given) in run.truth.iter().zip(&record.estimates) {
-            estimate.push(truth.stamp, given.pose)?;
+        for (stamp, given) in run.stamps.iter().zip(&record.estimates) {
+            estimate.push(*stamp, given.pose)?;
         }
         folder.add(format!("estimate_{name}.tum"), estimate.to_tum());
         if let Some(csv) = covariances(run, record) {
@@ -30,15 +32,12 @@ pub(super) fn add(folder: &mut Folder, run: &Run) -> Result<()> {
 fn covariances(run: &Run, record: &MethodRecord) -> Option<String> {
     let mut csv = String::from("t,xx,xy,xtheta,yy,ytheta,thetatheta\n");
     let mut any = false;
-    for (truth, estimate) in run.truth.iter().zip(&record.estimates) {
+    for (stamp, estimate) in run.stamps.iter().zip(&record.estimates) {
         let Some(s) = estimate.covariance else { continue };
         any = true;
         // Writing to a String cannot fail.
-        let _ = writeln!(
-            csv,
-            "{},{},{},{},{},{},{}",
-            truth.stamp, s.m11, s.m12, s.m13, s.m22, s.m23, s.m33
-        );
+        let _ =
+            writeln!(csv, "{},{},{},{},{},{},{}", stamp, s.m11, s.m12, s.m13, s.m22, s.m23, s.m33);
     }
     any.then_some(csv)
 }

@@ -2,10 +2,12 @@
 
 use super::LandmarkMclConfig;
 use crate::Result;
+use crate::localizer::MethodSettings;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
 use loc_core::error::{non_negative, positive};
 use loc_core::motion::Integration;
 use loc_filters::landmark::LandmarkSettings;
+use loc_pf::MclSettings;
 use serde::Deserialize;
 
 /// Settings of the methods. What is left out follows the simulated sensors, or the defaults.
@@ -22,11 +24,30 @@ pub struct FilterConfig {
     pub gate_probability: Option<f64>,
     /// How late an input may come.
     pub horizon_s: Option<f64>,
-    /// What `mcl` is told beside.
-    pub mcl: LandmarkMclConfig,
+    /// Settings of the particle filter.
+    pub mcl: MclSettings,
+    /// What the particle filter among landmarks is told beside.
+    pub landmark_mcl: LandmarkMclConfig,
+    /// Whether methods that can find the robot anywhere are not told where it starts.
+    pub global: bool,
 }
 
 impl FilterConfig {
+    /// The settings of all methods, with what this section says put over `landmark`.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`], and what [`MclSettings::validate`] says.
+    pub(super) fn methods(&self, landmark: LandmarkSettings) -> Result<MethodSettings> {
+        self.mcl.validate()?;
+        Ok(MethodSettings {
+            landmark: self.apply(landmark)?,
+            mcl: self.mcl.clone(),
+            landmark_mcl: self.landmark_mcl.settings()?,
+            global: self.global,
+            ..MethodSettings::default()
+        })
+    }
+
     /// Settings with what this section says put over `settings`.
     ///
     /// # Errors

@@ -24,8 +24,10 @@ use crate::localizer::{Method, MethodSettings};
 use crate::record::Run;
 use crate::source::drive::DriveConfig;
 use crate::source::rail::RailConfig;
-use crate::source::{SimulatedDrive, SimulatedRail, Source};
+use crate::source::tour::TourConfig;
+use crate::source::{SimulatedDrive, SimulatedRail, SimulatedTour, Source};
 use crate::{Error, Result, config, runner};
+use loc_filters::landmark::LandmarkSettings;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -44,14 +46,23 @@ pub struct Scenario {
     pub seed: u64,
     /// The methods to run, by name.
     pub methods: Vec<String>,
-    /// A robot in the plane. Either this or `rail`.
+    /// A robot among landmarks. One of this and the following.
     pub drive: Option<DriveConfig>,
     /// A vehicle on a rail.
     pub rail: Option<RailConfig>,
+    /// A robot with a laser in a building.
+    pub tour: Option<TourConfig>,
     /// Settings of the methods; what is left out follows the simulated sensors.
     pub filter: Option<FilterConfig>,
     /// The name of a left-handed frame in which final poses are printed as well: `kurt2`.
     pub also_in_frame: Option<String>,
+}
+
+/// What a scenario simulates.
+enum Kind<'a> {
+    Drive(&'a DriveConfig),
+    Rail(&'a RailConfig),
+    Tour(&'a TourConfig),
 }
 
 impl Scenario {
@@ -93,18 +104,32 @@ impl Scenario {
             return Err(config::field("also_in_frame", "kurt2", &found));
         }
         self.method_list()?;
-        match (&self.drive, &self.rail) {
-            (Some(drive), None) => drive.check()?,
-            (None, Some(_)) if self.filter.is_some() => {
+        match self.kind()? {
+            Kind::Drive(drive) => drive.check()?,
+            Kind::Rail(_) if self.filter.is_some() => {
                 return Err(config::field("filter", "none for a vehicle on a rail", "one"));
             }
-            (None, Some(rail)) => rail.check()?,
-            (Some(_), Some(_)) => {
-                return Err(config::field("drive, rail", "one of the two", "both"));
-            }
-            (None, None) => return Err(config::field("drive, rail", "one of the two", "none")),
+            Kind::Rail(rail) => rail.check()?,
+            Kind::Tour(tour) => tour.check()?,
         }
         self.settings().map(|_| ())
+    }
+
+    /// The one thing that the scenario simulates.
+    fn kind(&self) -> Result<Kind<'_>> {
+        let kinds = [
+            self.drive.as_ref().map(Kind::Drive),
+            self.rail.as_ref().map(Kind::Rail),
+            self.tour.as_ref().map(Kind::Tour),
+        ];
+        let mut given = kinds.into_iter().flatten();
+        match (given.next(), given.next()) {
+            (Some(kind), None) => Ok(kind),
+            (first, _) => {
+                let found = if first.is_some() { "several" } else { "none" };
+                Err(config::field("drive, rail, tour", "one of them", found))
+            }
+        }
     }
 
     /// The methods that the scenario asks for.
@@ -120,11 +145,11 @@ impl Scenario {
     /// # Errors
     /// What a checked scenario cannot have; kept for scenarios that were built by hand.
     pub fn source(&self, seed: u64) -> Result<Box<dyn Source>> {
-        match (&self.drive, &self.rail) {
-            (Some(drive), _) => Ok(Box::new(SimulatedDrive::new(&self.name, drive, seed)?)),
-            (None, Some(rail)) => Ok(Box::new(SimulatedRail::new(&self.name, rail, seed)?)),
-            (None, None) => Err(config::field("drive, rail", "one of the two", "none")),
-        }
+        Ok(match self.kind()? {
+            Kind::Drive(drive) => Box::new(SimulatedDrive::new(&self.name, drive, seed)?),
+            Kind::Rail(rail) => Box::new(SimulatedRail::new(&self.name, rail, seed)?),
+            Kind::Tour(tour) => Box::new(SimulatedTour::new(&self.name, tour, seed)?),
+        })
     }
 
     /// What the methods are told.
@@ -132,14 +157,18 @@ impl Scenario {
     /// # Errors
     /// Settings out of range.
     pub fn settings(&self) -> Result<MethodSettings> {
-        let sensors = self.drive.as_ref().map_or(Ok(Default::default()), DriveConfig::settings)?;
+        let sensors = match self.kind()? {
+            Kind::Drive(drive) => drive.settings()?,
+            Kind::Rail(_) => LandmarkSettings::default(),
+            Kind::Tour(tour) => {
+                LandmarkSettings { motion_noise: tour.wheel_noise()?, ..Default::default() }
+            }
+        };
         let filter = self.filter.clone().unwrap_or_default();
         Ok(MethodSettings {
-            landmark: filter.apply(sensors)?,
-            landmark_mcl: filter.mcl.settings()?,
             rail: self.rail.as_ref().map(RailConfig::settings).unwrap_or_default(),
             seed: self.seed,
-            ..Default::default()
+            ..filter.methods(sensors)?
         })
     }
 
@@ -154,7 +183,8 @@ impl Scenario {
         methods: Option<&[Method]>,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Run> {
-        let mut source = self.source(seed.unwrap_or(self.seed))?;
+        let seed = seed.unwrap_or(self.seed);
+        let mut source = self.source(seed)?;
         let methods = methods.map_or_else(|| self.method_list(), |given| Ok(given.to_vec()))?;
         if methods.is_empty() {
             return Err(Error::UnknownName {
@@ -163,6 +193,7 @@ impl Scenario {
                 found: String::new(),
             });
         }
-        runner::run(source.as_mut(), &methods, &self.settings()?, progress)
+        let settings = MethodSettings { seed, ..self.settings()? };
+        runner::run(source.as_mut(), &methods, &settings, progress)
     }
 }

@@ -1,16 +1,21 @@
-//! The configuration of a replay: the calibration of the robot's sensors, and the filter.
+//! The configuration of a replay: the start, the calibration of the robot's sensors, and the
+//! methods.
 
 use super::filter::FilterConfig;
 use crate::localizer::MethodSettings;
 use crate::{Error, Result, config};
+use loc_core::error::non_negative;
 use loc_filters::landmark::LandmarkSettings;
 use loc_sensors::landmark_camera::CameraCalibration;
 use loc_sensors::wheel::OdometryCalibration;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// The settings that MRCLAM recordings are replayed with, as TOML.
 pub const MRCLAM: &str = include_str!("../../recordings/mrclam.toml");
+
+/// The settings that recordings with a laser are replayed with, as TOML.
+pub const LASER: &str = include_str!("../../recordings/laser.toml");
 
 /// What a replay knows about the robot beside its log.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
@@ -22,6 +27,36 @@ pub struct RecordingConfig {
     pub camera: CameraCalibrationConfig,
     /// Settings of the methods.
     pub filter: FilterConfig,
+    /// How well the start pose is known.
+    pub start: StartConfig,
+}
+
+/// How well the start pose of a recording with a laser is known, as standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StartConfig {
+    /// Of both coordinates of the position.
+    pub position_sigma_m: f64,
+    /// Of the heading.
+    pub heading_sigma_deg: f64,
+}
+
+impl Default for StartConfig {
+    fn default() -> Self {
+        StartConfig { position_sigma_m: 0.2, heading_sigma_deg: 5.0 }
+    }
+}
+
+impl StartConfig {
+    /// The standard deviations over (x, y, theta) \[m, m, rad\].
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`].
+    pub fn sigmas(&self) -> Result<[f64; 3]> {
+        let position = non_negative("start.position_sigma_m", self.position_sigma_m)?;
+        let heading = non_negative("start.heading_sigma_deg", self.heading_sigma_deg)?;
+        Ok([position, position, heading.to_radians()])
+    }
 }
 
 /// [`OdometryCalibration`] in the units of configuration files.
@@ -72,6 +107,7 @@ impl RecordingConfig {
         let config: RecordingConfig = config::parse(file, text, changes)?;
         let put_into_file = |error: Error| config::error(file, &error.to_string());
         config.settings().map_err(put_into_file)?;
+        config.start.sigmas().map_err(put_into_file)?;
         config.odometry_calibration().check().map_err(|e| put_into_file(e.into()))?;
         config.camera_calibration().check().map_err(|e| put_into_file(e.into()))?;
         Ok(config)
@@ -103,9 +139,7 @@ impl RecordingConfig {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
     pub fn settings(&self) -> Result<MethodSettings> {
-        let landmark = self.filter.apply(LandmarkSettings::default())?;
-        let landmark_mcl = self.filter.mcl.settings()?;
-        Ok(MethodSettings { landmark, landmark_mcl, ..MethodSettings::default() })
+        self.filter.methods(LandmarkSettings::default())
     }
 }
 

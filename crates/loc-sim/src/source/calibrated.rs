@@ -78,4 +78,8 @@ impl<S: Source> Source for Calibrated<S> {
     fn notes(&self) -> Vec<String> {
         self.source.notes()
     }
+
+    fn has_truth(&self) -> bool {
+        self.source.has_truth()
+    }
 }

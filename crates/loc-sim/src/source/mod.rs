@@ -5,16 +5,22 @@
 mod calibrated;
 pub mod carmen;
 pub mod drive;
+pub mod laser_log;
 pub mod mrclam;
 mod noise;
+pub mod people;
 pub mod rail;
 mod reorder;
+pub mod tour;
+pub mod wean;
 
 pub use calibrated::Calibrated;
 pub use drive::SimulatedDrive;
+pub use laser_log::LaserRecording;
 pub use mrclam::Mrclam;
 pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
 pub use rail::SimulatedRail;
+pub use tour::SimulatedTour;
 
 use crate::Result;
 use crate::event::Event;
@@ -39,6 +45,9 @@ pub struct Setup {
     pub landmarks: Arc<LandmarkMap>,
     /// The map of the surroundings, where there is one.
     pub map: Option<Arc<OccupancyGrid>>,
+    /// When the robot is carried to another place without being told \[s\]: from then on it is
+    /// there.
+    pub kidnapped_at: Option<f64>,
 }
 
 /// A stream of events in order of arrival.
@@ -55,5 +64,10 @@ pub trait Source {
     /// What was passed over, as counted lines for the user: `3 sightings of unknown barcodes`.
     fn notes(&self) -> Vec<String> {
         Vec::new()
+    }
+
+    /// Whether true poses are among the events. Without any, a run is sampled at its scans.
+    fn has_truth(&self) -> bool {
+        true
     }
 }

@@ -66,6 +66,7 @@ impl Mrclam {
                 rail: None,
                 landmarks: Arc::new(landmarks),
                 map: None,
+                kidnapped_at: None,
             },
             events: Vec::new().into_iter(),
             unknown_barcodes: 0,

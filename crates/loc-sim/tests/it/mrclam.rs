@@ -27,7 +27,7 @@ fn rmse(folder: &Path, robot: u32) -> f64 {
             .unwrap();
     let settings = config.settings().unwrap();
     let run = runner::run(&mut source, &[Method::Ekf], &settings, &mut |_| {}).unwrap();
-    Summary::of(&run, None, Alignment::None).unwrap().methods[0].1.errors.ate_rmse_m
+    Summary::of(&run, None, Alignment::None).unwrap().methods[0].1.errors.unwrap().ate_rmse_m
 }
 
 /// One set of parameters beats the plain filter on every robot, and by far on most.

@@ -1,4 +1,5 @@
-//! Reading and writing the maps of ROS's map_server: a YAML file beside an image.
+//! Reading and writing maps: ROS's map_server, a YAML file beside an image, and the map of the
+//! Wean Hall recordings (`wean.dat`), which is only read.
 //!
 //! The image is the floor plan, dark where something stands, its top row the farthest from the
 //! origin; the YAML file says how large a pixel is, where the lower-left corner of the image lies
@@ -24,6 +25,7 @@ mod pgm;
 mod picture;
 mod raster;
 mod save;
+mod wean;
 
 pub use description::{MapDescription, Mode};
 pub use save::{ImageFormat, save};
@@ -35,14 +37,19 @@ use std::fmt::Display;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Reads a map from its YAML file and the image that it names.
+/// Reads a map from its YAML file and the image that it names, or from the map file of the Wean
+/// Hall recordings, gzipped or not; which of the two it is, is read off its beginning.
 ///
 /// # Errors
 /// With file and field: [`loc_core::Error::Io`] for a file that cannot be read, [`Error::Yaml`]
 /// and [`Error::MapFile`] for contents that are not those of a map.
 pub fn load(yaml: impl AsRef<Path>) -> Result<OccupancyGrid> {
     let yaml = yaml.as_ref();
-    let description = MapDescription::read(yaml)?;
+    let (file, bytes) = read_plain_or_gzipped(yaml)?;
+    if bytes.starts_with(wean::BEGINNING) {
+        return wean::parse(&file, &text(&file, bytes)?);
+    }
+    let description = MapDescription::parse(yaml, &text(&file, bytes)?)?;
     let folder = yaml.parent().unwrap_or(Path::new(""));
     load_image(folder.join(&description.image), &description)
 }
@@ -57,6 +64,12 @@ pub fn load_image(image: impl AsRef<Path>, description: &MapDescription) -> Resu
     let (width, height) = (raster.width, raster.height);
     let frame = GridFrame::new(width, height, description.resolution, description.origin)?;
     OccupancyGrid::new(frame, levels::occupancies(&raster, description))
+}
+
+fn text(file: &Path, bytes: Vec<u8>) -> Result<String> {
+    let error = |error| std::io::Error::new(std::io::ErrorKind::InvalidData, error);
+    let text = String::from_utf8(bytes).map_err(error);
+    Ok(text.map_err(loc_core::Error::io(file))?)
 }
 
 /// The bytes of a file, unpacked where it is gzipped, and the path they came from.

@@ -53,7 +53,7 @@ pub(super) fn exp(x: f32) -> f32 {
     let (bits, twos) = (shifted.to_bits(), shifted - ROUND);
     // ln 2 in two parts, as above.
     let r = (x - twos * 0.693_359_4) + twos * 2.121_944_4e-4;
-    let upper = 0.500_043_57 + r * (0.167_909_07 + r * 0.041_458_607);
+    let upper = 0.500_043_6 + r * (0.167_909_07 + r * 0.041_458_607);
     let series = 0.999_999_3 + r * (0.999_963_4 + r * upper);
     let power = f32::from_bits(bits.wrapping_sub(ROUND.to_bits()).wrapping_add(127) << 23);
     series * power

@@ -2,6 +2,7 @@
 
 use crate::cli::{Global, print};
 use crate::source::carmen::{CarmenLaser, CarmenLog};
+use crate::source::laser_log::Scans;
 use anyhow::bail;
 use loc_core::Pose2;
 use loc_maps::grid::io::{self, ImageFormat, Mode};
@@ -34,27 +35,6 @@ pub(super) struct BuildArgs {
     /// Beams are followed no farther than this.
     #[arg(long, value_name = "M", default_value_t = InverseSensorModel::default().max_range)]
     pub max_range: f64,
-}
-
-/// Which scans of a log to use.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Scans {
-    /// Every scan.
-    All,
-    /// 1, 3, 5, ..
-    Odd,
-    /// 0, 2, 4, ..
-    Even,
-}
-
-impl Scans {
-    fn takes(self, index: usize) -> bool {
-        match self {
-            Scans::All => true,
-            Scans::Odd => index % 2 == 1,
-            Scans::Even => index.is_multiple_of(2),
-        }
-    }
 }
 
 pub(super) fn build(args: &BuildArgs, global: &Global) -> anyhow::Result<()> {

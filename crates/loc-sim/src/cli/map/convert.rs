@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Convert a map; the ending of OUT says into what.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ConvertArgs {
-    /// A map_server YAML file, or a CSV file of lines or points.
+    /// A map_server YAML file, a map file of Wean Hall (.dat), or a CSV file of lines or points.
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// A .yaml file (grid, with its image), .csv (lines or points), .toml (places), or .svg.

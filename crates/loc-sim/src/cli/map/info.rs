@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Print size, resolution, origin and counts of a map, and a thumbnail.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct InfoArgs {
-    /// A map_server YAML file, or a CSV file of lines (x1,y1,x2,y2) or points (x,y).
+    /// A map_server YAML file, a map file of Wean Hall (.dat), or a CSV file of lines (x1,y1,x2,y2) or points (x,y).
     #[arg(value_name = "MAP")]
     pub map: PathBuf,
     /// Width of the thumbnail in characters; 0 for none.

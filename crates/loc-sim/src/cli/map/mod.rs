@@ -46,9 +46,12 @@ enum AnyMap {
     Points(PointMap),
 }
 
-/// Reads a map: a YAML file with its image, or columns of lines (x1 y1 x2 y2) or points (x y).
+/// Reads a map: a YAML file with its image, the map file of Wean Hall, or columns of lines
+/// (x1 y1 x2 y2) or points (x y).
 fn read(file: &Path) -> anyhow::Result<AnyMap> {
-    if has_extension(file, &["yaml", "yml"]) {
+    // `wean.dat.gz` is named by what stands before its last ending.
+    let stem = file.file_stem().map(Path::new).filter(|_| has_extension(file, &["gz"]));
+    if has_extension(stem.unwrap_or(file), &["yaml", "yml", "dat"]) {
         return Ok(AnyMap::Grid(io::load(file)?));
     }
     let text = std::fs::read_to_string(file).map_err(loc_core::Error::io(file))?;

@@ -2,6 +2,7 @@
 
 use super::{FigureFile, every};
 use crate::localizer::{Estimate, Method};
+use crate::output::backdrop;
 use crate::output::svg::{Role, Scene};
 use crate::record::{MethodRecord, Run};
 use loc_core::{Ellipse, Gaussian, Pose2};
@@ -17,6 +18,9 @@ const STARS: usize = 400;
 
 pub(super) fn map(run: &Run, title: &str) -> FigureFile {
     let mut scene = Scene::new(title).subtitle(subtitle(run));
+    if let Some(image) = run.setup.map.as_deref().and_then(backdrop) {
+        scene = scene.backdrop(image);
+    }
     let largest = LARGEST_ELLIPSE * extent(run);
     for (k, record) in run.methods.iter().enumerate() {
         let label = format!("{}, 2 sigma", record.method);
@@ -62,7 +66,8 @@ fn extent(run: &Run) -> f64 {
 
 fn subtitle(run: &Run) -> String {
     let methods: Vec<&str> = run.methods.iter().map(|record| record.method.name()).collect();
-    format!("{}, {:.1} m in {:.1} s", methods.join(" and "), run.distance(), run.duration())
+    let distance = run.distance().map_or(String::new(), |distance| format!("{distance:.1} m in "));
+    format!("{}, {distance}{:.1} s", methods.join(" and "), run.duration())
 }
 
 fn marked(estimates: &[Estimate]) -> impl Iterator<Item = &Estimate> {

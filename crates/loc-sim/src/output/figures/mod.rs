@@ -26,6 +26,9 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     if run.setup.rail.is_some() {
         return rail::all(run, title);
     }
+    if run.truth.is_empty() {
+        return vec![map::map(run, title)];
+    }
     let mut figures = vec![map::map(run, title), errors::errors(run)];
     figures.extend(errors::consistency(run));
     figures

@@ -1,7 +1,7 @@
 //! Scans in a CARMEN log.
 
-use super::line::Words;
 use crate::Result;
+use crate::source::laser_log::Words;
 use loc_core::Pose2;
 use loc_sensors::laser::LaserScan;
 use std::f64::consts::PI;
@@ -28,12 +28,14 @@ pub(super) struct LaserParameters {
     pub(super) resolution: Option<f64>,
     /// Readings from here on saw nothing \[m\].
     pub(super) max_range: f64,
+    /// How far ahead of the robot's centre it sits \[m\].
+    pub(super) offset: Option<f64>,
 }
 
 impl Default for LaserParameters {
     fn default() -> Self {
         // The scanners of these logs report 81.9 m, and some drivers 80 m, where nothing returns.
-        LaserParameters { fov: None, resolution: None, max_range: 80.0 }
+        LaserParameters { fov: None, resolution: None, max_range: 80.0, offset: None }
     }
 }
 

@@ -1,23 +1,17 @@
 //! The log as a stream of messages.
 
 use super::laser::{LaserParameters, front_laser, robot_laser};
-use super::line::Words;
 use super::{CarmenLaser, Message};
 use crate::Result;
-use flate2::bufread::MultiGzDecoder;
-use loc_core::{Error, Stamped};
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use crate::source::laser_log::{self, LogLines, Words};
+use loc_core::{Pose2, Stamped};
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
-/// Longest line of a log; a longer one is no CARMEN message.
-const LONGEST_LINE: u64 = 32 << 20;
-
 /// A CARMEN log, read message by message.
+#[derive(Debug)]
 pub struct CarmenLog {
-    file: PathBuf,
-    lines: Box<dyn BufRead>,
-    line: usize,
+    lines: LogLines,
     parameters: LaserParameters,
     skipped: usize,
 }
@@ -26,32 +20,30 @@ impl CarmenLog {
     /// Opens a log; gzipped ones are unpacked as they are read.
     ///
     /// # Errors
-    /// [`Error::Io`] where the file cannot be opened.
+    /// [`loc_core::Error::Io`] where the file cannot be opened.
     pub fn open(file: impl AsRef<Path>) -> Result<Self> {
         let file = file.as_ref();
-        let mut bytes = BufReader::new(File::open(file).map_err(Error::io(file))?);
-        let gzipped = bytes.fill_buf().map_err(Error::io(file))?.starts_with(&[0x1f, 0x8b]);
-        Ok(if gzipped {
-            CarmenLog::parse(file, BufReader::new(MultiGzDecoder::new(bytes)))
-        } else {
-            CarmenLog::parse(file, bytes)
-        })
+        Ok(CarmenLog::parse(file, laser_log::open(file)?))
     }
 
     /// A log from anything that can be read; `file` is only named in errors.
     pub fn parse(file: impl Into<PathBuf>, lines: impl BufRead + 'static) -> Self {
-        CarmenLog {
-            file: file.into(),
-            lines: Box::new(lines),
-            line: 0,
-            parameters: LaserParameters::default(),
-            skipped: 0,
-        }
+        let lines = LogLines::new(file, lines);
+        CarmenLog { lines, parameters: LaserParameters::default(), skipped: 0 }
     }
 
     /// How many messages of other kinds were passed over so far.
     pub fn skipped(&self) -> usize {
         self.skipped
+    }
+
+    /// Where a `PARAM` read so far says that the front laser sits on the robot.
+    pub fn laser_offset(&self) -> Option<Pose2> {
+        self.parameters.offset.map(|ahead| Pose2::new(ahead, 0.0, 0.0))
+    }
+
+    pub(super) fn file(&self) -> &Path {
+        self.lines.file()
     }
 
     /// The scans of the whole log.
@@ -67,8 +59,9 @@ impl CarmenLog {
         scans.collect()
     }
 
-    fn message(&mut self, text: &str) -> Result<Option<Message>> {
-        let mut words = Words::new(&self.file, self.line, text);
+    /// What the line read last says.
+    fn message(&mut self) -> Result<Option<Message>> {
+        let mut words = self.lines.words();
         let Ok(kind) = words.word("message") else { return Ok(None) };
         Ok(Some(match kind {
             comment if comment.starts_with('#') => return Ok(None),
@@ -103,6 +96,7 @@ fn parameter(words: &mut Words<'_>, mut known: LaserParameters) -> Result<LaserP
         "laser_front_laser_resolution" => {
             known.resolution = Some(words.number("value")?.to_radians());
         }
+        "robot_frontlaser_offset" => known.offset = Some(words.number("value")?),
         "robot_front_laser_max" => known.max_range = words.number("value")?,
         _ => {}
     }
@@ -114,25 +108,14 @@ impl Iterator for CarmenLog {
 
     fn next(&mut self) -> Option<Result<Message>> {
         loop {
-            let mut bytes = Vec::new();
-            self.line += 1;
-            let read = self.lines.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut bytes);
-            match read {
-                Ok(0) => return None,
-                Err(error) => return Some(Err(Error::io(&self.file)(error).into())),
-                Ok(_) => {}
+            match self.lines.advance() {
+                Ok(true) => {}
+                Ok(false) => return None,
+                Err(error) => return Some(Err(error)),
             }
-            // A host name may hold anything; the numbers are ASCII.
-            match self.message(&String::from_utf8_lossy(&bytes)).transpose() {
-                Some(result) => return Some(result),
-                None => continue,
+            if let Some(result) = self.message().transpose() {
+                return Some(result);
             }
         }
-    }
-}
-
-impl std::fmt::Debug for CarmenLog {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("CarmenLog").field("file", &self.file).field("line", &self.line).finish()
     }
 }

@@ -16,8 +16,8 @@
 //! ```
 
 mod laser;
-mod line;
 mod log;
+mod recording;
 
 pub use laser::CarmenLaser;
 pub use log::CarmenLog;

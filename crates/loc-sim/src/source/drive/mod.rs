@@ -63,6 +63,7 @@ impl SimulatedDrive {
             rail: None,
             landmarks: Arc::new(config.map()?),
             map: None,
+            kidnapped_at: None,
         };
         let camera = match &config.camera {
             None => None,

@@ -1,0 +1,209 @@
+//! A measurement taken in by degrees, so that a small cloud finds a narrow peak.
+//!
+//! Odometry leaves the robot anywhere within decimetres; a laser scan knows the place to
+//! centimetres. Of a few hundred particles drawn from the motion hardly one lies within the peak of
+//! such a likelihood, and plain weighting leaves copies of that one. Here the likelihood p is taken
+//! in by stages p^b with b growing from 0 to 1 (annealing, tempering): after each stage the cloud
+//! is resampled, and every particle walks a little through the noise of its own motion and is asked
+//! again, by the rule of Metropolis and Hastings. The stages adapt themselves: a scan that says
+//! little needs none and the update is the plain one.
+//!
+//! The result is a sample of the same posterior as that of the plain filter with very many
+//! particles: the walk leaves the distribution of the motion alone (Del Moral, Doucet and Jasra,
+//! "Sequential Monte Carlo samplers", 2006; Cotter et al., "MCMC methods for functions", 2013).
+//!
+//! ```
+//! use loc_core::{Pose2, random::stream};
+//! use loc_pf::motion::{DrivenPath, NoisyStep, PathNoise};
+//! use loc_pf::{ParticleFilter, Particles, Tempering};
+//! let cloud = Particles::from_poses(std::iter::repeat_n(Pose2::IDENTITY, 200));
+//! let mut filter = ParticleFilter::new(cloud, stream(1, "filter"));
+//! let mut path = DrivenPath::starting_at(Pose2::IDENTITY);
+//! path.extend(Pose2::new(4.0, 0.0, 0.0));
+//! // Odometry is good to 0.1 m along the way, the measurement to 1 mm.
+//! let measurement = |pose: Pose2| -0.5 * ((pose.x - 4.15) / 0.001).powi(2);
+//! let step = NoisyStep::new(&path, &PathNoise::default());
+//! let report = Tempering::default().update(&mut filter, &step, &measurement, 200);
+//! assert!(report.stages > 3);
+//! assert!(filter.particles().poses().x.iter().all(|x| (x - 4.15).abs() < 0.006));
+//! ```
+
+mod part;
+mod settings;
+
+pub use settings::TemperingSettings;
+
+use crate::resample::Wheel;
+use crate::{Likelihood, ParticleFilter, Particles, Resampling, Transport};
+use part::{Part, Walk};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Particles of one part.
+const PART: usize = 512;
+
+/// Takes measurements in by degrees; keeps its memory from one update to the next.
+#[derive(Debug, Default)]
+pub struct Tempering {
+    settings: TemperingSettings,
+    parts: Vec<Part>,
+    spare: Vec<Part>,
+    log_weights: Vec<f64>,
+    wheel: Wheel,
+    indices: Vec<u32>,
+}
+
+/// What an update took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TemperingReport {
+    /// How often the cloud was rated: 1 for a plain update.
+    pub stages: usize,
+    /// Logarithm of the mean likelihood of the measurement over the predicted cloud.
+    pub log_evidence: f64,
+}
+
+impl Tempering {
+    /// An update with settings other than the defaults.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`].
+    pub fn new(settings: TemperingSettings) -> crate::Result<Self> {
+        settings.validate()?;
+        Ok(Tempering { settings, ..Tempering::default() })
+    }
+
+    /// Moves the cloud by `step` and takes in `measurement`. Where stages resample, the spoke wheel
+    /// draws `count` particles; otherwise their number stays.
+    pub fn update(
+        &mut self,
+        filter: &mut ParticleFilter,
+        step: &impl Transport,
+        measurement: &impl Likelihood,
+        count: usize,
+    ) -> TemperingReport {
+        self.load(filter.particles());
+        filter.for_each_part(&mut self.parts, |part, rng| part.draw(step, measurement, rng));
+        let (mut exponent, mut stride) = (0.0, 0.6);
+        let mut report = TemperingReport { stages: 1, log_evidence: 0.0 };
+        loop {
+            let share = if report.stages < self.settings.most_stages {
+                self.share_of(1.0 - exponent)
+            } else {
+                1.0 - exponent
+            };
+            exponent += share;
+            report.log_evidence += self.take_in(share);
+            if exponent >= 1.0 - 1e-9 {
+                break;
+            }
+            self.resample(filter, count);
+            let accepted = AtomicUsize::new(0);
+            let walk = Walk { exponent, stride };
+            filter.for_each_part(&mut self.parts, |part, rng| {
+                accepted.fetch_add(part.walk(step, measurement, walk, rng), Ordering::Relaxed);
+            });
+            let rate = accepted.into_inner() as f64 / count.max(1) as f64;
+            stride = (stride * (1.0 + rate - self.settings.acceptance)).clamp(0.01, 0.95);
+            report.stages += 1;
+        }
+        self.store(filter.particles_mut());
+        report
+    }
+
+    /// Cuts a cloud into parts.
+    fn load(&mut self, cloud: &Particles) {
+        self.parts.resize_with(cloud.len().div_ceil(PART), Part::default);
+        for (number, part) in self.parts.iter_mut().enumerate() {
+            part.clear();
+            let end = cloud.len().min((number + 1) * PART);
+            (number * PART..end).for_each(|index| part.parents.push(cloud.pose(index), 0.0));
+        }
+        self.log_weights.clear();
+        self.log_weights.extend_from_slice(cloud.log_weights());
+    }
+
+    /// The poses after the motion, with normalised weights.
+    fn store(&self, cloud: &mut Particles) {
+        cloud.clear();
+        let poses = self.parts.iter().flat_map(|part| part.moved.poses().iter());
+        for (pose, log_weight) in poses.zip(&self.log_weights) {
+            cloud.push(pose, *log_weight);
+        }
+        cloud.normalize();
+    }
+
+    fn log_likelihoods(&self) -> impl Iterator<Item = f64> + '_ {
+        self.parts.iter().flat_map(|part| part.moved.log_weights().iter().copied())
+    }
+
+    /// The largest share of the measurement, up to `rest`, that leaves enough particles effective.
+    fn share_of(&self, rest: f64) -> f64 {
+        let enough = self.settings.effective_share * self.log_weights.len() as f64;
+        if self.effective_after(rest) >= enough {
+            return rest;
+        }
+        let (mut low, mut high) = (0.0, rest);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if self.effective_after(middle) >= enough { low = middle } else { high = middle }
+        }
+        // A little more than nothing: a peak that no particle has found yet is reached at last.
+        low.max(rest / f64::from(1 << BISECTIONS))
+    }
+
+    /// Effective sample size after taking in a share of the measurement.
+    fn effective_after(&self, share: f64) -> f64 {
+        let after = || {
+            let pairs = self.log_weights.iter().zip(self.log_likelihoods());
+            pairs.map(|(weight, likelihood)| weight + share * likelihood)
+        };
+        let largest = after().fold(f64::NEG_INFINITY, f64::max);
+        if !largest.is_finite() {
+            return 0.0;
+        }
+        let (sum, squares) = after().fold((0.0, 0.0), |(sum, squares), log_weight| {
+            let weight = (log_weight - largest).exp();
+            (sum + weight, squares + weight * weight)
+        });
+        sum * sum / squares
+    }
+
+    /// Weighs by a share of the measurement; returns the logarithm of the mean likelihood.
+    fn take_in(&mut self, share: f64) -> f64 {
+        let likelihoods = self.parts.iter().flat_map(|part| part.moved.log_weights());
+        let mut largest = f64::NEG_INFINITY;
+        let before = log_sum(&self.log_weights);
+        for (weight, likelihood) in self.log_weights.iter_mut().zip(likelihoods) {
+            *weight += share * likelihood;
+            largest = largest.max(*weight);
+        }
+        if largest.is_finite() { log_sum(&self.log_weights) - before } else { f64::NEG_INFINITY }
+    }
+
+    /// Draws particles in proportion to their weights, together with what led to them.
+    fn resample(&mut self, filter: &mut ParticleFilter, count: usize) {
+        self.wheel.set(&self.log_weights);
+        Resampling::Systematic.spin(&self.wheel, count, filter.rng_mut(), &mut self.indices);
+        std::mem::swap(&mut self.parts, &mut self.spare);
+        self.parts.resize_with(count.div_ceil(PART), Part::default);
+        for (part, indices) in self.parts.iter_mut().zip(self.indices.chunks(PART)) {
+            part.clear();
+            for index in indices.iter().map(|&index| index as usize) {
+                part.push(&self.spare[index / PART], index % PART);
+            }
+        }
+        self.log_weights.clear();
+        self.log_weights.resize(count, -(count as f64).ln());
+    }
+}
+
+/// How finely a share of a measurement is determined: to 1 / 2^10 of what is left.
+const BISECTIONS: u32 = 10;
+
+/// ln(sum of exp).
+fn log_sum(logarithms: &[f64]) -> f64 {
+    let largest = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if !largest.is_finite() {
+        return f64::NEG_INFINITY;
+    }
+    largest + logarithms.iter().map(|l| (l - largest).exp()).sum::<f64>().ln()
+}

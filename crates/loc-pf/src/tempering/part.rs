@@ -1,0 +1,108 @@
+//! A part of the cloud on its way through an update.
+
+use crate::{Likelihood, Particles, Transport};
+use loc_core::random::ChaCha8Rng;
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, StandardNormal};
+
+/// Particles with the poses that they came from and the numbers that moved them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Part {
+    /// Poses before the motion.
+    pub(super) parents: Particles,
+    /// What moved each of them.
+    pub(super) noise: Vec<[f64; 4]>,
+    /// Poses after it, with their log-likelihoods.
+    pub(super) moved: Particles,
+    trial: Particles,
+    trial_noise: Vec<[f64; 4]>,
+}
+
+/// A walk in the space of the noise.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Walk {
+    /// Share of the measurement that has been taken in.
+    pub(super) exponent: f64,
+    /// Standard deviation of a stride, in (0, 1).
+    pub(super) stride: f64,
+}
+
+impl Part {
+    pub(super) fn clear(&mut self) {
+        self.parents.clear();
+        self.noise.clear();
+        self.moved.clear();
+    }
+
+    /// Copies particle `index` of another part, with its log-likelihood.
+    pub(super) fn push(&mut self, other: &Part, index: usize) {
+        self.parents.push(other.parents.pose(index), 0.0);
+        self.noise.push(other.noise[index]);
+        self.moved.push(other.moved.pose(index), other.moved.log_weights()[index]);
+    }
+
+    /// Draws the motion of every particle and rates where it leads.
+    pub(super) fn draw(
+        &mut self,
+        step: &impl Transport,
+        measurement: &impl Likelihood,
+        rng: &mut ChaCha8Rng,
+    ) {
+        self.noise.clear();
+        self.noise.extend((0..self.parents.len()).map(|_| normals(rng)));
+        place(&self.parents, &self.noise, step, &mut self.moved);
+        rate(&mut self.moved, measurement);
+    }
+
+    /// One stride of each particle through the noise, accepted or not (Metropolis and Hastings);
+    /// returns how many were.
+    ///
+    /// The stride `sqrt(1 - s^2) noise + s normal` leaves the distribution of the noise as it is
+    /// (it is the preconditioned Crank-Nicolson proposal), so that only the likelihoods decide.
+    pub(super) fn walk(
+        &mut self,
+        step: &impl Transport,
+        measurement: &impl Likelihood,
+        walk: Walk,
+        rng: &mut ChaCha8Rng,
+    ) -> usize {
+        let keep = (1.0 - walk.stride * walk.stride).sqrt();
+        self.trial_noise.clear();
+        self.trial_noise.extend(self.noise.iter().map(|noise| {
+            let fresh = normals(rng);
+            std::array::from_fn(|k| keep * noise[k] + walk.stride * fresh[k])
+        }));
+        place(&self.parents, &self.trial_noise, step, &mut self.trial);
+        rate(&mut self.trial, measurement);
+        let mut accepted = 0;
+        for k in 0..self.noise.len() {
+            let (old, new) = (self.moved.log_weights()[k], self.trial.log_weights()[k]);
+            let chance: f64 = rng.random();
+            // Where both are impossible the difference is no number: on with the walk.
+            let gain = walk.exponent * (new - old);
+            if gain.is_nan() || chance < gain.exp() {
+                accepted += 1;
+                self.noise[k] = self.trial_noise[k];
+                self.moved.set_pose(k, self.trial.pose(k));
+                self.moved.log_weights_mut()[k] = new;
+            }
+        }
+        accepted
+    }
+}
+
+fn normals<R: Rng + ?Sized>(rng: &mut R) -> [f64; 4] {
+    std::array::from_fn(|_| StandardNormal.sample(rng))
+}
+
+fn place(from: &Particles, noise: &[[f64; 4]], step: &impl Transport, to: &mut Particles) {
+    to.clear();
+    for (pose, noise) in from.poses().iter().zip(noise) {
+        to.push(step.moved(pose, *noise), 0.0);
+    }
+}
+
+fn rate(particles: &mut Particles, measurement: &impl Likelihood) {
+    let (poses, log_likelihoods) = particles.poses_and_log_weights();
+    measurement.rate(poses, log_likelihoods);
+}

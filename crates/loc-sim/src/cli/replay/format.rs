@@ -1,0 +1,63 @@
+//! The formats of recordings, and how they are told apart.
+
+use crate::source::{laser_log, mrclam};
+use crate::{Error, Result};
+use std::io::{BufRead, Read};
+use std::path::Path;
+
+/// A format of recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[non_exhaustive]
+pub enum Format {
+    /// A folder of the UTIAS MRCLAM data set.
+    Mrclam,
+    /// A CARMEN log.
+    Carmen,
+    /// A log of CMU's Wean Hall.
+    Wean,
+}
+
+/// First words of lines that only a CARMEN log has.
+const CARMEN: [&str; 9] = [
+    "PARAM",
+    "ODOM",
+    "FLASER",
+    "RLASER",
+    "ROBOTLASER1",
+    "ROBOTLASER2",
+    "RAWLASER1",
+    "TRUEPOS",
+    "SYNC",
+];
+
+/// The format of a recording, by its files or its first lines.
+pub(super) fn guess(log: &Path) -> Result<Format> {
+    std::fs::metadata(log).map_err(loc_core::Error::io(log))?;
+    if mrclam::is_mrclam(log) {
+        return Ok(Format::Mrclam);
+    }
+    if log.is_dir() {
+        return Err(unknown(log, "a folder without it"));
+    }
+    // Comments and an odd message or two may stand before the first word that tells.
+    for line in laser_log::open(log)?.take(1 << 20).split(b'\n').take(1000) {
+        let line = line.map_err(loc_core::Error::io(log))?;
+        let line = String::from_utf8_lossy(&line);
+        match line.split_ascii_whitespace().next() {
+            Some("O" | "L") => return Ok(Format::Wean),
+            Some(word) if CARMEN.contains(&word) => return Ok(Format::Carmen),
+            _ => {}
+        }
+    }
+    Err(unknown(log, "a file of another kind"))
+}
+
+fn unknown(log: &Path, found: &str) -> Error {
+    Error::Recording {
+        path: log.to_owned(),
+        expected: "a recording: a folder with Barcodes.dat (mrclam), a log of ODOM and FLASER \
+                   lines (carmen), or of O and L lines (wean)"
+            .into(),
+        found: found.into(),
+    }
+}

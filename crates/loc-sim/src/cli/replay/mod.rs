@@ -1,0 +1,128 @@
+//! `loc-sim replay`: a recording.
+
+mod format;
+mod laser;
+mod mrclam;
+
+pub use format::Format;
+
+use super::Global;
+use super::progress::Progress;
+use super::show::{Finished, OutputArgs, show};
+use crate::localizer::{Method, MethodSettings};
+use crate::runner;
+use crate::scenario::recording;
+use crate::source::Source;
+use crate::source::laser_log::Scans;
+use anyhow::bail;
+use std::path::PathBuf;
+
+/// Localize the robot of a recording.
+#[derive(Debug, Clone, clap::Args)]
+pub struct ReplayArgs {
+    /// The recording: a folder of MRCLAM files, a CARMEN log, or one of Wean Hall.
+    #[arg(value_name = "LOG", required_unless_present = "print_config")]
+    pub log: Option<PathBuf>,
+    /// The format of the recording; found by its contents where left out.
+    #[arg(long, value_name = "F")]
+    pub format: Option<Format>,
+    /// Number of the robot, in recordings of several.
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub robot: u32,
+    /// The map to localize a laser in.
+    #[arg(long, value_name = "MAP")]
+    pub map: Option<PathBuf>,
+    /// Which scans to use, counted from 0.
+    #[arg(long, value_enum, default_value_t = Scans::All)]
+    pub scans: Scans,
+    /// Start pose in the map, in metres and radians; where the reference starts if left out.
+    #[arg(
+        long,
+        value_name = "X,Y,YAW",
+        allow_hyphen_values = true,
+        conflicts_with = "global_start"
+    )]
+    pub initial_pose: Option<String>,
+    /// Do not tell methods that can search where the robot starts.
+    #[arg(long = "global")]
+    pub global_start: bool,
+    /// Carry the robot at least 5 m away, this long after the start.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub kidnap: Option<f64>,
+    /// A TUM or CSV file of poses in the map to judge by, in place of those of the log.
+    #[arg(long, value_name = "FILE")]
+    pub reference: Option<PathBuf>,
+    /// Seed of the methods that draw random numbers.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// A TOML file with calibration and settings; what suits the format where left out.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Print the settings that suit the format as TOML instead of running.
+    #[arg(long)]
+    pub print_config: bool,
+    /// What to run, and where to write it.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// A recording, ready to be run.
+struct Replay {
+    source: Box<dyn Source>,
+    settings: MethodSettings,
+    /// The methods that run where none is named.
+    methods: Vec<Method>,
+}
+
+/// Runs methods over a recording, writes the folder and prints the table.
+///
+/// # Errors
+/// What is wrong with the recording or the settings, and what the run reports.
+pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
+    let log = args.log.as_deref().filter(|_| !args.print_config);
+    let Some(log) = log else { return print_config(args) };
+    let format = args.format.map_or_else(|| format::guess(log), Ok)?;
+    let mut replay = match format {
+        Format::Mrclam => mrclam::prepare(args, log)?,
+        Format::Carmen | Format::Wean => laser::prepare(args, log, format)?,
+    };
+    replay.settings.seed = args.seed;
+    replay.settings.global |= args.global_start;
+    if let Some(threads) = global.threads {
+        replay.settings.mcl.threads = threads;
+    }
+    let methods = match args.output.methods.as_slice() {
+        [] => replay.methods.as_slice(),
+        given => given,
+    };
+    let mut progress = Progress::new("replay", global);
+    let source = replay.source.as_mut();
+    let run = runner::run(source, methods, &replay.settings, &mut |share| progress.tell(share))?;
+    progress.finish();
+    let name = run.setup.name.replace(' ', "-");
+    let finished = Finished {
+        run: &run,
+        name: &name,
+        title: &run.setup.name,
+        seed: methods.iter().any(|method| method.draws()).then_some(args.seed),
+        also_in_frame: None,
+    };
+    show(&finished, &args.output, global)
+}
+
+fn print_config(args: &ReplayArgs) -> anyhow::Result<()> {
+    let guessed = args.log.as_deref().map(format::guess).transpose()?;
+    let text = match args.format.or(guessed).unwrap_or(Format::Mrclam) {
+        Format::Mrclam => recording::MRCLAM,
+        Format::Carmen | Format::Wean => recording::LASER,
+    };
+    super::print(text.trim_end())
+}
+
+/// Refuses options that a format has no use for.
+fn refuse(options: &[(&str, bool)], format: &str) -> anyhow::Result<()> {
+    match options.iter().find(|(_, given)| *given) {
+        Some((option, _)) => bail!("{option}: expected a recording with a laser, got {format}"),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,69 @@
+//! What a run leaves behind: the truth, and each method's estimates at the same stamps. A
+//! recording may come without a truth; its estimates are those at its scans.
+
+use crate::event::Truth;
+use crate::localizer::{Estimate, Judgement, Method, MethodSettings};
+use crate::source::Setup;
+use loc_core::Stamped;
+
+mod snapshots;
+
+pub use snapshots::Snapshots;
+
+/// A finished run of several methods over one source.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// What was known before it.
+    pub setup: Setup,
+    /// What the methods were told.
+    pub settings: MethodSettings,
+    /// When the estimates were asked for \[s\]: at most 10 times a second.
+    pub stamps: Vec<f64>,
+    /// The truth at each of the stamps; empty where nothing is known of it.
+    pub truth: Vec<Stamped<Truth>>,
+    /// One record per method, in the order in which they were asked for.
+    pub methods: Vec<MethodRecord>,
+    /// What the source passed over.
+    pub notes: Vec<String>,
+}
+
+/// What one method did.
+#[derive(Debug, Clone)]
+pub struct MethodRecord {
+    /// The method.
+    pub method: Method,
+    /// Its estimates, one for each stamp of the run.
+    pub estimates: Vec<Estimate>,
+    /// Its judgements on the measurements, with their stamps \[s\].
+    pub judgements: Vec<Stamped<Judgement>>,
+    /// The particles of a method that has any, now and then.
+    pub snapshots: Snapshots,
+    /// Number of controls and measurements it took in.
+    pub updates: usize,
+    /// Time it took \[s\].
+    pub runtime: f64,
+}
+
+impl Run {
+    /// Time from the first to the last estimate \[s\].
+    pub fn duration(&self) -> f64 {
+        match (self.stamps.first(), self.stamps.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        }
+    }
+
+    /// Way that the robot really drove, through the thinned truth \[m\]; the way that it was
+    /// carried does not count. `None` without a truth.
+    pub fn distance(&self) -> Option<f64> {
+        let drove = |pair: &&[Stamped<Truth>]| !self.was_carried(pair[0].stamp, pair[1].stamp);
+        let step = |pair: &[Stamped<Truth>]| pair[0].value.pose.distance(pair[1].value.pose);
+        let driven = self.truth.windows(2).filter(drove).map(step).sum();
+        (!self.truth.is_empty()).then_some(driven)
+    }
+
+    /// Whether the robot was kidnapped after the first of two times \[s\], or at the second one.
+    pub fn was_carried(&self, from: f64, to: f64) -> bool {
+        self.setup.kidnapped_at.is_some_and(|at| from < at && at <= to)
+    }
+}

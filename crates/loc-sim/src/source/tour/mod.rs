@@ -1,0 +1,256 @@
+//! A simulated robot with a laser that drives a tour through a building.
+//!
+//! It goes from place to place along ways that keep it off the walls. Its wheels add up noisy
+//! readings to the continuous pose of its odometry; its laser sees the walls, and whoever stands
+//! before them. It may be carried off without noticing ([`KidnapConfig`]).
+//!
+//! Tour, wheels, laser and people draw from random streams of their own: a run with people, or
+//! with another laser, drives the same tour.
+
+mod config;
+mod driver;
+mod laser;
+mod roads;
+mod world;
+
+pub use config::{
+    Drawn, KidnapConfig, KidnapTarget, PoseConfig, StartSigmaConfig, TourConfig, TourWheelConfig,
+};
+pub use driver::RobotConfig;
+pub use laser::{LaserConfig, LaserPreset};
+pub use world::{TourWorld, WorldConfig};
+
+use super::people::Crowd;
+use super::{Setup, Source};
+use crate::Result;
+use crate::event::{Control, Event, Measurement, Payload, Truth};
+use driver::Driver;
+use loc_core::gaussian::pose_belief;
+use loc_core::motion::Integration;
+use loc_core::random::{ChaCha8Rng, stream};
+use loc_core::{Pose2, Twist2};
+use loc_maps::LandmarkMap;
+use loc_sensors::laser::LaserScanner;
+use loc_sensors::wheel::WheelOdometry;
+use nalgebra::Point2;
+use rand::RngExt;
+use roads::Roads;
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// A robot is carried at least this far, where the building is large enough \[m\].
+const CARRIED: f64 = 5.0;
+/// How often a place is drawn anew that does not suit.
+const TRIES: usize = 100;
+
+/// The robot in simulation.
+#[derive(Debug)]
+pub struct SimulatedTour {
+    setup: Setup,
+    world: TourWorld,
+    roads: Roads,
+    driver: Driver,
+    stops: VecDeque<Point2<f64>>,
+    tour_rng: ChaCha8Rng,
+    dt: f64,
+    step: usize,
+    steps: usize,
+    pose: Pose2,
+    twist: Twist2,
+    wheels: WheelOdometry,
+    wheel_rng: ChaCha8Rng,
+    /// What the wheels add up to.
+    odometry: Pose2,
+    scanner: LaserScanner,
+    scan_every: usize,
+    laser_rng: ChaCha8Rng,
+    crowd: Option<Crowd>,
+    kidnap: Option<Kidnap>,
+    waiting: VecDeque<Event>,
+}
+
+impl SimulatedTour {
+    /// A robot as configured.
+    ///
+    /// # Errors
+    /// Values out of range, and a building without room for the robot.
+    pub fn new(name: &str, config: &TourConfig, seed: u64) -> Result<Self> {
+        config.check()?;
+        let world = TourWorld::open(config.world.as_ref(), config.map.as_deref())?;
+        let roads = Roads::new(&world, config.robot.radius_m)?;
+        let mut tour_rng = stream(seed, "tour");
+        let pose = match &config.start {
+            Some(start) => on_roads(&roads, "tour.start", start)?,
+            None => draw_pose(&roads, &mut tour_rng),
+        };
+        let stops = config.stops.iter().map(|&stop| roads.nearest("tour.stops", stop.into()));
+        let stops = stops.collect::<Result<_>>()?;
+        let kidnap = Kidnap::new(config, &roads, seed)?;
+        let scanner = config.laser.scanner()?;
+        let crowd = config
+            .people
+            .as_ref()
+            .map(|people| Crowd::new(people, &world, &scanner, pose, stream(seed, "people")));
+        let mut tour = SimulatedTour {
+            setup: setup(name, config, &world, pose, seed)?,
+            world,
+            roads,
+            driver: Driver::new(config.robot),
+            stops,
+            tour_rng,
+            dt: config.time_step_s,
+            step: 0,
+            steps: config.steps("tour.duration_s", config.duration_s)?,
+            pose,
+            twist: Twist2::ZERO,
+            wheels: config.odometry()?,
+            wheel_rng: stream(seed, "odometry"),
+            odometry: Pose2::IDENTITY,
+            scanner,
+            scan_every: config.steps("tour.laser.every_s", config.laser.every_s)?,
+            laser_rng: stream(seed, "laser"),
+            crowd,
+            kidnap,
+            waiting: VecDeque::new(),
+        };
+        tour.tell();
+        Ok(tour)
+    }
+
+    /// The building.
+    pub fn world(&self) -> &TourWorld {
+        &self.world
+    }
+
+    fn stamp(&self) -> f64 {
+        self.step as f64 * self.dt
+    }
+
+    /// Drives one step; the wheels and the laser report when it is over.
+    fn drive(&mut self) {
+        if let Some(kidnap) = self.kidnap.as_mut().filter(|kidnap| kidnap.step == self.step) {
+            self.pose = kidnap.target(&self.roads, self.pose);
+            self.driver.stop();
+        }
+        if self.driver.has_arrived(self.pose) {
+            let way = self.next_stop().and_then(|to| self.roads.way(self.pose.position(), to));
+            self.driver.follow(way.unwrap_or_default());
+        }
+        self.twist = self.driver.steer(&self.world, self.pose, self.dt);
+        self.pose = Integration::ExactArc.step(self.pose, self.twist, self.dt);
+        let reading = self.wheels.measure(self.twist, self.dt, &mut self.wheel_rng);
+        self.odometry = Integration::ExactArc.step(self.odometry, reading, self.dt);
+        if let Some(crowd) = &mut self.crowd {
+            crowd.step(&self.world, self.pose, self.dt);
+        }
+        self.step += 1;
+        self.tell();
+    }
+
+    /// The stops in turn, or any place.
+    fn next_stop(&mut self) -> Option<Point2<f64>> {
+        if self.stops.is_empty() {
+            return Some(self.roads.draw(&mut self.tour_rng));
+        }
+        self.stops.rotate_left(1);
+        self.stops.back().copied()
+    }
+
+    /// What became known at this moment: odometry, then the scan, then the truth.
+    fn tell(&mut self) {
+        let stamp = self.stamp();
+        let mut tell = |payload| self.waiting.push_back(Event::now(stamp, payload));
+        tell(Payload::Control(Control::Odometry(self.odometry)));
+        if self.step.is_multiple_of(self.scan_every) {
+            let (pose, rng) = (self.pose, &mut self.laser_rng);
+            let scan = match &self.crowd {
+                Some(crowd) => self.scanner.scan(&crowd.before(&self.world.walls), pose, rng),
+                None => self.scanner.scan(&self.world.walls, pose, rng),
+            };
+            let (scan, mounting) = (Arc::new(scan), self.scanner.mounting);
+            tell(Payload::Measurement(Measurement::Scan { scan, mounting }));
+        }
+        tell(Payload::Truth(Truth { pose: self.pose, speed: Some(self.twist.vx) }));
+    }
+}
+
+impl Source for SimulatedTour {
+    fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    fn next_event(&mut self) -> Result<Option<Event>> {
+        if self.waiting.is_empty() && self.step < self.steps {
+            self.drive();
+        }
+        Ok(self.waiting.pop_front())
+    }
+}
+
+/// What is known before the tour.
+fn setup(
+    name: &str,
+    config: &TourConfig,
+    world: &TourWorld,
+    pose: Pose2,
+    seed: u64,
+) -> Result<Setup> {
+    let mut start_belief = pose_belief(pose, config.start_sigmas()?);
+    start_belief.mean = start_belief.sample(&mut stream(seed, "start"));
+    Ok(Setup {
+        name: name.into(),
+        start: 0.0,
+        end: config.duration_s,
+        start_belief,
+        rail: None,
+        landmarks: Arc::new(LandmarkMap::default()),
+        map: Some(world.grid.clone()),
+        kidnapped_at: config.kidnap.map(|kidnap| kidnap.at_s),
+    })
+}
+
+/// A pose that somebody named, at the nearest place with room for the robot.
+fn on_roads(roads: &Roads, key: &str, named: &PoseConfig) -> Result<Pose2> {
+    let pose = named.pose();
+    let place = roads.nearest(key, pose.position())?;
+    Ok(Pose2 { x: place.x, y: place.y, ..pose })
+}
+
+fn draw_pose(roads: &Roads, rng: &mut ChaCha8Rng) -> Pose2 {
+    let place = roads.draw(rng);
+    Pose2::new(place.x, place.y, PI * (2.0 * rng.random::<f64>() - 1.0))
+}
+
+/// A robot that will be carried off.
+#[derive(Debug)]
+struct Kidnap {
+    /// After this step.
+    step: usize,
+    /// To this pose, or anywhere.
+    to: Option<Pose2>,
+    rng: ChaCha8Rng,
+}
+
+impl Kidnap {
+    fn new(config: &TourConfig, roads: &Roads, seed: u64) -> Result<Option<Self>> {
+        let Some(KidnapConfig { at_s, to }) = config.kidnap else { return Ok(None) };
+        let to = match to {
+            KidnapTarget::Pose(pose) => Some(on_roads(roads, "tour.kidnap.to", &pose)?),
+            KidnapTarget::Drawn(Drawn::Random) => None,
+        };
+        // Checked to lie within the tour.
+        let step = (at_s / config.time_step_s).round() as usize;
+        Ok(Some(Kidnap { step, to, rng: stream(seed, "kidnap") }))
+    }
+
+    /// Where a robot at `pose` is carried to.
+    fn target(&mut self, roads: &Roads, pose: Pose2) -> Pose2 {
+        self.to.unwrap_or_else(|| {
+            let draws = (0..TRIES).map(|_| draw_pose(roads, &mut self.rng));
+            let draws: Vec<Pose2> = draws.collect();
+            let far = draws.iter().find(|to| to.distance(pose) >= CARRIED);
+            far.or(draws.last()).copied().unwrap_or(pose)
+        })
+    }
+}
