@@ -3,7 +3,8 @@
 //! A picture tells at a glance what a table of errors hides: where a robot was lost, whether an
 //! estimate is as certain as it claims, which landmark misled it. A [`Scene`] looks at the plane
 //! from above, in metres and with equal scales; a [`Figure`] stacks [`Chart`]s over one shared
-//! axis, mostly time; [`Pictures`] puts images side by side. What a thing is decides how it looks: everything drawn has a [`Role`], so
+//! axis, mostly time; [`Frames`] shows one place at several times, [`Pictures`] puts images side
+//! by side. What a thing is decides how it looks: everything drawn has a [`Role`], so
 //! that a method keeps its colour through all figures of a run.
 //!
 //! ```
@@ -48,7 +49,7 @@ mod writer;
 
 pub use chart::{Chart, Figure};
 pub use pictures::{ColorBar, Picture, Pictures};
-pub use scene::{Backdrop, Scene};
+pub use scene::{Backdrop, Frames, Scene};
 pub use style::{Role, Style};
 pub use thin::{simplify, thin_columns};
 pub use ticks::{Tick, linear_ticks, log_ticks};

@@ -2,8 +2,11 @@
 
 mod bounds;
 mod draw;
+mod frames;
 mod labels;
 mod view;
+
+pub use frames::Frames;
 
 use super::drawable;
 use super::style::Style;
