@@ -155,8 +155,7 @@ impl GlobalSearch {
         if !self.settings.refine {
             return Ok(poses.map(|pose| Candidate::rate(&self.field, pose, endpoints)).collect());
         }
-        let mut refined: Vec<Candidate> =
-            poses.map(|pose| self.refine(pose, endpoints)).collect();
+        let mut refined: Vec<Candidate> = poses.map(|pose| self.refine(pose, endpoints)).collect();
         refined.sort_by(|a, b| b.log_likelihood.total_cmp(&a.log_likelihood));
         Ok(refined)
     }
