@@ -13,9 +13,11 @@
 
 pub mod builtin;
 mod filter;
+mod landmark_mcl;
 pub mod recording;
 
 pub use filter::FilterConfig;
+pub use landmark_mcl::LandmarkMclConfig;
 pub use recording::RecordingConfig;
 
 use crate::localizer::{Method, MethodSettings};

@@ -9,6 +9,8 @@ mod consistency;
 mod eval;
 mod evo;
 mod figures;
+#[cfg(feature = "cli")]
+mod fit_beam;
 mod layering;
 #[cfg(feature = "cli")]
 mod map;
