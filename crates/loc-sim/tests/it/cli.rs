@@ -143,11 +143,9 @@ fn mistakes_are_told_in_one_line_and_leave_nothing() {
     fs::write(folder.path().join("file"), "").unwrap();
     fs::write(folder.path().join("bad.toml"), "name = \"bad\"\nseed = -1\n").unwrap();
     let scenarios = builtin::ALL.map(|(name, _)| name).join(", ");
+    let unknown = format!("error: scenario: expected one of {scenarios}, got `landmark-dive`\n");
     for (arguments, message) in [
-        (
-            &["run", "landmark-dive"][..],
-            &format!("error: scenario: expected one of {scenarios}, got `landmark-dive`\n"),
-        ),
+        (&["run", "landmark-dive"][..], unknown.as_str()),
         (&["run", "missing.toml"], "error: missing.toml: No such file or directory (os error 2)\n"),
         (
             &["run", "bad.toml"],
