@@ -7,6 +7,7 @@ pub mod error;
 pub mod event;
 pub mod localizer;
 pub mod metrics;
+pub mod nav2;
 pub mod output;
 pub mod record;
 pub mod runner;

@@ -16,7 +16,7 @@ mod filter;
 pub mod recording;
 
 pub use filter::FilterConfig;
-pub use recording::RecordingConfig;
+pub use recording::{RecordingConfig, StartConfig};
 
 use crate::localizer::{Method, MethodSettings};
 use crate::record::Run;
