@@ -143,8 +143,8 @@ fn laser(given: &mut Given, parameters: &mut AmclParameters) -> Result<()> {
     if let Some(beams) = given.integer("max_beams", 2)? {
         parameters.mcl.beams = usize::try_from(beams.value).unwrap_or(usize::MAX);
     }
-    // Negative: what the sensor says.
-    let mut range = |key| given.number(key, "metres, or -1", |v| v >= 0.0 || v == -1.0);
+    // Negative, and 0: what the sensor says.
+    let mut range = |key| given.number(key, "metres, or -1", |_| true);
     let [least, most] = [range("laser_min_range")?, range("laser_max_range")?]
         .map(|found| found.map(|found| found.value).filter(|range| *range > 0.0));
     (parameters.min_range, parameters.max_range) = (least, most);

@@ -24,7 +24,7 @@ pub(super) fn parameters(file: &str, text: &str) -> Result<Given> {
         config::error(file, &format!("line {line}: {}", error.without_snippet()))
     })?;
     let mut nodes = Vec::new();
-    find(&root, String::new(), &mut nodes);
+    find(&root, "", &mut nodes);
     let is_wildcard = |node: &&Node<'_>| node.name.ends_with('*');
     let is_amcl = |node: &&Node<'_>| last(&node.name) == "amcl";
     let mut own: Vec<&Node<'_>> = nodes.iter().filter(is_amcl).collect();
@@ -48,14 +48,14 @@ pub(super) fn parameters(file: &str, text: &str) -> Result<Given> {
 }
 
 /// Every node below a value, with its name.
-fn find<'a>(value: &'a Value, name: String, nodes: &mut Vec<Node<'a>>) {
+fn find<'a>(value: &'a Value, name: &str, nodes: &mut Vec<Node<'a>>) {
     let Value::Map(entries) = value else { return };
     for (key, value, _) in entries {
         match value {
             Value::Map(parameters) if key == PARAMETERS => {
-                nodes.push(Node { name: name.clone(), parameters });
+                nodes.push(Node { name: name.to_owned(), parameters });
             }
-            _ => find(value, format!("{name}/{}", key.trim_start_matches('/')), nodes),
+            _ => find(value, &format!("{name}/{}", key.trim_start_matches('/')), nodes),
         }
     }
 }

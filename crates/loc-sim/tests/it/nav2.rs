@@ -226,7 +226,7 @@ fn wrong_values_name_line_and_key() {
             "laser_model_type: expected one of likelihood_field, likelihood_field_prob, beam, got \
              the text `sonar`",
         ),
-        ("laser_max_range: -3", "laser_max_range: expected metres, or -1, got `-3`"),
+        ("laser_max_range: far", "laser_max_range: expected metres, or -1, got the text `far`"),
         ("recovery_alpha_slow: 2", "recovery_alpha_slow: expected a share from 0 to 1, got `2`"),
     ] {
         let error = amcl(&["# a comment", line]).unwrap_err();

@@ -37,7 +37,7 @@ fn hall() -> OccupancyGrid {
 }
 
 /// The true poses of a drive through the hall, 0.25 m and 0.5 s apart.
-fn drive() -> Vec<Pose2> {
+pub(crate) fn drive() -> Vec<Pose2> {
     let pose = |k: i32| {
         let x = 0.25 * f64::from(k);
         Pose2::new(x, 1.0 + 0.5 * (0.5 * x).sin(), (0.25 * (0.5 * x).cos()).atan())
@@ -81,7 +81,7 @@ fn carmen(reference: impl Fn(usize, Pose2) -> Pose2) -> String {
 }
 
 /// The same with the true poses as its reference.
-fn corrected() -> String {
+pub(crate) fn corrected() -> String {
     carmen(|_, truth| truth)
 }
 
@@ -99,7 +99,7 @@ fn numbers(pose: Pose2) -> String {
     format!("{} {} {}", pose.x, pose.y, pose.theta)
 }
 
-fn open(text: &str, options: &ReplayOptions) -> Result<LaserRecording> {
+pub(crate) fn open(text: &str, options: &ReplayOptions) -> Result<LaserRecording> {
     let log = CarmenLog::parse("hall.log", Cursor::new(text.to_owned())).laser_log()?;
     LaserRecording::new(log, options)
 }
