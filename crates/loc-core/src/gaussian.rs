@@ -94,7 +94,13 @@ impl<const N: usize> Gaussian<N> {
     /// directions that are certain.
     pub fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> SVector<f64, N> {
         let noise = SVector::<f64, N>::from_fn(|_, _| StandardNormal.sample(rng));
-        self.mean + semidefinite_factor(&self.covariance) * noise
+        self.mean + self.factor() * noise
+    }
+
+    /// The lower triangular L with `L L^T` = covariance, `N` x `N`, which turns independent draws
+    /// into draws from this distribution. Directions that are certain have columns of zeros.
+    pub fn factor(&self) -> SMatrix<f64, N, N> {
+        semidefinite_factor(&self.covariance)
     }
 }
 

@@ -18,6 +18,20 @@ pub enum Error {
         /// Rows of the map.
         height: usize,
     },
+    /// An input belongs to a time so far back that the filter has forgotten it.
+    #[error(
+        "{what} at {stamp} s: expected at most {horizon} s before {newest} s, the newest input"
+    )]
+    TooLate {
+        /// The input.
+        what: &'static str,
+        /// Its time \[s\].
+        stamp: f64,
+        /// Time of the newest input \[s\].
+        newest: f64,
+        /// How far back the filter remembers \[s\].
+        horizon: f64,
+    },
     /// The system started no threads.
     #[error("{threads} threads: {reason}")]
     Threads {

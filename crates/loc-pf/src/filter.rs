@@ -3,19 +3,20 @@
 //! ```
 //! use loc_core::random::stream;
 //! use loc_core::{Gaussian, Pose2, gaussian::pose_belief};
-//! use loc_pf::{ParticleFilter, Particles};
+//! use loc_pf::{ParticleFilter, Particles, Resampling};
 //! let mut rng = stream(1, "filter");
 //! let start = pose_belief(Pose2::IDENTITY, [1.0, 1.0, 0.1]);
 //! let mut filter = ParticleFilter::new(Particles::from_gaussian(&start, 1000, &mut rng), rng);
 //! // A wall 5 m ahead is measured at 4.5 m, give or take 0.1 m.
 //! filter.weigh(&|pose: Pose2| -0.5 * ((5.0 - pose.x - 4.5) / 0.1_f64).powi(2));
 //! filter.normalize();
-//! filter.resample(1000);
+//! filter.resample(Resampling::Systematic, 1000);
 //! let mean = filter.particles().poses().x.iter().sum::<f64>() / 1000.0;
 //! assert!((mean - 0.5).abs() < 0.05);
 //! ```
 
-use crate::{Likelihood, Motion, Particles, Resampling, Workers};
+use crate::resample::Wheel;
+use crate::{Kld, Likelihood, Motion, Particles, Resampling, Workers};
 use loc_core::random::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -25,8 +26,8 @@ pub struct ParticleFilter {
     particles: Particles,
     /// The particles before the last resampling; kept for its memory.
     spare: Particles,
+    wheel: Wheel,
     indices: Vec<u32>,
-    scheme: Resampling,
     rng: ChaCha8Rng,
     workers: Workers,
 }
@@ -34,16 +35,8 @@ pub struct ParticleFilter {
 impl ParticleFilter {
     /// A filter that starts from a cloud and draws from `rng`, on the calling thread.
     pub fn new(particles: Particles, rng: ChaCha8Rng) -> Self {
-        let (spare, indices) = (Particles::new(), Vec::new());
-        let (scheme, workers) = (Resampling::default(), Workers::one());
-        ParticleFilter { particles, spare, indices, scheme, rng, workers }
-    }
-
-    /// The same with another way to draw particles.
-    #[must_use]
-    pub fn with_resampling(mut self, scheme: Resampling) -> Self {
-        self.scheme = scheme;
-        self
+        let (spare, wheel, indices) = (Particles::new(), Wheel::new(), Vec::new());
+        ParticleFilter { particles, spare, wheel, indices, rng, workers: Workers::one() }
     }
 
     /// The same with other threads; the results stay the same.
@@ -84,19 +77,24 @@ impl ParticleFilter {
     }
 
     /// Draws `count` particles in proportion to their weights (M8, M9), which are equal afterwards.
-    pub fn resample(&mut self, count: usize) {
-        if self.particles.is_empty() {
-            return;
-        }
-        let weights = self.particles.log_weights();
-        self.scheme.draw(weights, count, &mut self.rng, &mut self.indices);
-        std::mem::swap(&mut self.particles, &mut self.spare);
-        self.particles.copy_selected(&self.spare, &self.indices);
+    pub fn resample(&mut self, scheme: Resampling, count: usize) {
+        self.wheel.set(self.particles.log_weights());
+        scheme.spin(&self.wheel, count, &mut self.rng, &mut self.indices);
+        self.copy_drawn();
     }
 
-    /// Draws `count` indices in proportion to weights given as logarithms.
-    pub(crate) fn draw(&mut self, log_weights: &[f64], count: usize, indices: &mut Vec<u32>) {
-        self.scheme.draw(log_weights, count, &mut self.rng, indices);
+    /// The same with as many particles as the spread of the cloud asks for; says how many.
+    pub fn resample_adaptively(&mut self, scheme: Resampling, kld: &mut Kld) -> usize {
+        self.wheel.set(self.particles.log_weights());
+        let poses = self.particles.poses();
+        kld.draw(scheme, &self.wheel, poses, &mut self.rng, &mut self.indices);
+        self.copy_drawn();
+        self.particles.len()
+    }
+
+    fn copy_drawn(&mut self) {
+        std::mem::swap(&mut self.particles, &mut self.spare);
+        self.particles.copy_selected(&self.spare, &self.indices);
     }
 
     /// Does `work` on every part, each with a random stream of its own.

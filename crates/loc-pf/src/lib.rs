@@ -1,12 +1,19 @@
 #![doc = include_str!("../README.md")]
 
+pub mod adaptive;
+mod elementary;
 mod error;
 pub mod estimate;
 pub mod filter;
 pub mod free_space;
+pub mod landmark_mcl;
+mod log_weights;
 pub mod mcl;
 pub mod motion;
+pub mod normals;
+pub mod novelty;
 pub mod particles;
+pub mod policy;
 pub mod recovery;
 pub mod resample;
 pub mod sensor;
@@ -14,12 +21,15 @@ pub mod settings;
 pub mod tempering;
 pub mod workers;
 
+pub use adaptive::{Kld, KldSettings};
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use filter::ParticleFilter;
+pub use landmark_mcl::{LandmarkMcl, LandmarkMclSettings};
 pub use mcl::Mcl;
 pub use motion::{Motion, Transport};
 pub use particles::{Particles, Poses, PosesMut};
+pub use policy::ResamplePolicy;
 pub use resample::Resampling;
 pub use sensor::Likelihood;
 pub use settings::MclSettings;

@@ -55,9 +55,7 @@ impl Mcl {
         let field = LikelihoodField::new(map, &settings.field)?;
         let free_space = FreeSpace::new(map)?;
         let workers = Workers::new(settings.threads)?;
-        let filter = ParticleFilter::new(Particles::new(), rng)
-            .with_workers(workers)
-            .with_resampling(settings.resampling);
+        let filter = ParticleFilter::new(Particles::new(), rng).with_workers(workers);
         let tempering = Tempering::new(settings.tempering)?;
         let mut mcl =
             Mcl { settings, free_space, field, filter, tempering, path: None, has_seen: false };
@@ -118,7 +116,7 @@ impl Mcl {
 
     /// What the cloud says about the pose at the last update.
     pub fn estimate(&self) -> Estimate {
-        Estimate { belief: moments(self.filter.particles()) }
+        Estimate { belief: moments(self.filter.particles()), clusters: Vec::new() }
     }
 
     /// The pose of the odometry's frame in the map (`map_from_odom`), `None` before the first

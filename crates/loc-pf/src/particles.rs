@@ -14,6 +14,7 @@
 //! assert!((cloud.effective_sample_size() - 1.0).abs() < 1e-9);
 //! ```
 
+use crate::log_weights;
 use loc_core::{Gaussian, Pose2};
 use rand::Rng;
 
@@ -60,6 +61,14 @@ impl<'a> Poses<'a> {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.x.is_empty()
+    }
+
+    /// One pose.
+    ///
+    /// # Panics
+    /// Where there is no pose `index`.
+    pub fn at(&self, index: usize) -> Pose2 {
+        Pose2 { x: self.x[index], y: self.y[index], theta: self.theta[index] }
     }
 
     /// The poses one by one.
@@ -182,27 +191,19 @@ impl Particles {
     /// Makes the weights add up to 1 and returns the logarithm of what they added up to before:
     /// after [`weigh`](crate::ParticleFilter::weigh), the logarithm of the mean likelihood.
     ///
-    /// Weights that are all 0, or not numbers, say nothing about the particles: they become equal,
-    /// and the answer is -inf.
+    /// Weights that are all 0, or infinite, say nothing about the particles: they become equal, and
+    /// the answer is -inf. A single weight that is not a number becomes 0.
     pub fn normalize(&mut self) -> f64 {
-        let largest = self.log_weight.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if !largest.is_finite() {
+        log_weights::normalize(&mut self.log_weight).unwrap_or_else(|| {
             self.set_equal_weights();
-            return f64::NEG_INFINITY;
-        }
-        let sum: f64 = self.log_weight.iter().map(|weight| (weight - largest).exp()).sum();
-        let total = largest + sum.ln();
-        for weight in &mut self.log_weight {
-            *weight -= total;
-        }
-        total
+            f64::NEG_INFINITY
+        })
     }
 
-    /// How many particles of equal weight would carry as much information: `1 / sum w^2` of
-    /// normalised weights, between 1 and M.
+    /// How many particles of equal weight would carry as much information:
+    /// `(sum w)^2 / sum w^2`, between 1 and M; 0 where no weight is above 0.
     pub fn effective_sample_size(&self) -> f64 {
-        let squares: f64 = self.log_weight.iter().map(|weight| (2.0 * weight).exp()).sum();
-        if squares > 0.0 { 1.0 / squares } else { 0.0 }
+        log_weights::effective_sample_size(&self.log_weight)
     }
 
     /// Becomes the particles of `other` at `indices`, with equal weights.

@@ -9,11 +9,17 @@
 //! likelihood: codes of many beams add up as whole numbers, in any order to the same sum, and
 //! become a logarithm once at the end. The cells lie in tiles of 8 x 8, one cache line each, since
 //! beams of similar poses end close together in both directions; a margin of one tile catches what
-//! falls off the map, so that no lookup asks whether it is inside.
+//! falls off the map, so that no lookup asks whether it is inside. That is the memory, a byte a cell
+//! (and six more while the field is built).
 //!
 //! What the byte costs: with the default settings a step of the code is 0.0126 in the logarithm of
 //! the likelihood, so a beam is off by 0.0063 at most and 0.0036 on the average (root mean
 //! square), as much as 0.8 mm of distance are worth at one standard deviation.
+//!
+//! Clouds of poses are rated together, by the widest vector instructions that the machine has
+//! (SSE2, AVX2 or AVX-512, chosen while the program runs), with the same bits on all machines:
+//! [`LikelihoodField::log_likelihoods`] is what particle filters call. Positions in the grid and
+//! beams are kept in single precision there, good for a millimetre on a map of 10 km.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -29,29 +35,49 @@
 //! # Ok::<(), loc_maps::Error>(())
 //! ```
 
+mod build;
+mod codes;
 mod endpoints;
+mod rating;
+mod readings;
 mod settings;
+#[cfg(test)]
+mod tests;
 mod tiles;
+mod view;
 
 pub use endpoints::Endpoints;
-pub use settings::{LikelihoodFieldSettings, UnknownSpace};
+pub use settings::{LikelihoodFieldSettings, Obstacles, OffMap, UnknownSpace};
 
-use crate::grid::{GridFrame, Occupancy, OccupancyGrid};
-use crate::{DistanceMap, Result};
+use crate::Result;
+use crate::grid::{GridFrame, OccupancyGrid};
+use codes::Codes;
 use loc_core::Pose2;
 use nalgebra::Point2;
-use tiles::Tiles;
+use rating::{Rating, Reading};
+use readings::{Count, LogLikelihood, TableSum};
 
 /// The likelihood of a beam's end at every place of a map.
 #[derive(Debug, Clone)]
 pub struct LikelihoodField {
     frame: GridFrame,
+    settings: LikelihoodFieldSettings,
+    scale: Scale,
+    codes: Codes,
+}
+
+/// What codes mean.
+#[derive(Debug, Clone, Copy)]
+struct Scale {
     /// Logarithm of the likelihood of code 0.
     lowest: f64,
     /// What one code adds to it.
     step: f64,
-    tiles: Tiles,
 }
+
+/// A function of a beam's likelihood, computed once for a field; see [`LikelihoodField::table`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LikelihoodTable([f64; 256]);
 
 impl LikelihoodField {
     /// The field of a map.
@@ -59,46 +85,7 @@ impl LikelihoodField {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for settings that are out of range.
     pub fn new(grid: &OccupancyGrid, settings: &LikelihoodFieldSettings) -> Result<Self> {
-        settings.validate()?;
-        let distances = DistanceMap::new(grid, settings.max_distance)?;
-        Ok(LikelihoodField::from_distances(grid, &distances, settings))
-    }
-
-    fn from_distances(
-        grid: &OccupancyGrid,
-        distances: &DistanceMap,
-        settings: &LikelihoodFieldSettings,
-    ) -> Self {
-        let far = settings.likelihood(settings.max_distance).ln();
-        let near = settings.likelihood(0.0).ln();
-        let unknown = match settings.unknown_space {
-            UnknownSpace::ByDistance => None,
-            UnknownSpace::Likelihood(likelihood) => Some(likelihood.ln()),
-        };
-        let lowest = unknown.map_or(far, |unknown| far.min(unknown));
-        let highest = unknown.map_or(near, |unknown| near.max(unknown));
-        let step = (highest - lowest).max(f64::MIN_POSITIVE) / 255.0;
-        let code = |log_likelihood: f64| ((log_likelihood - lowest) / step).round() as u8;
-
-        // The distances are whole numbers, of which a map has few different ones.
-        let reach = distances.squared().iter().copied().max().unwrap_or(0);
-        let likelihood = |squared| settings.likelihood(distances.to_metres(squared)).ln();
-        let by_distance: Vec<u8> =
-            (0..=reach.min(1 << 20)).map(|squared| code(likelihood(squared))).collect();
-        let look_up = |squared: u32| {
-            by_distance.get(squared as usize).copied().unwrap_or_else(|| code(likelihood(squared)))
-        };
-        let frame = *grid.frame();
-        let mut tiles = Tiles::new(frame.width(), frame.height(), code(far));
-        let rows = grid.values().chunks_exact(frame.width());
-        let rows = rows.zip(distances.squared().chunks_exact(frame.width()));
-        for (row, (values, squared)) in rows.enumerate() {
-            for (column, (&value, &squared)) in values.iter().zip(squared).enumerate() {
-                let of_unknown = unknown.filter(|_| Occupancy::of(value) == Occupancy::Unknown);
-                tiles.set(column, row, of_unknown.map_or_else(|| look_up(squared), code));
-            }
-        }
-        LikelihoodField { frame, lowest, step, tiles }
+        build::build(grid, settings)
     }
 
     /// Size, resolution and origin of the grid.
@@ -106,27 +93,109 @@ impl LikelihoodField {
         &self.frame
     }
 
+    /// What the field was made with.
+    pub fn settings(&self) -> &LikelihoodFieldSettings {
+        &self.settings
+    }
+
     /// Memory of the field \[bytes\].
     pub fn bytes(&self) -> usize {
-        self.tiles.bytes()
+        self.codes.bytes()
     }
 
     /// The logarithm of the likelihood that a beam ends at a point of the map \[m\].
     pub fn log_likelihood_at(&self, point: &Point2<f64>) -> f64 {
-        let Point2 { coords } = self.frame.to_cells(point);
-        let code = self.tiles.at(coords.x as f32, coords.y as f32);
-        self.lowest + self.step * f64::from(code)
+        self.scale.log_likelihood(self.codes.at(&self.frame, point))
     }
 
     /// The logarithm of the likelihood of beams that end at `endpoints`, seen from the pose whose
     /// frame they are given in: the sum over the beams.
     pub fn log_likelihood(&self, pose: Pose2, endpoints: &Endpoints) -> f64 {
-        let from = self.frame.to_cells(&pose.position());
-        // Single precision turns a beam of 30 m by 5 um at most.
-        let (sin, cos) = ((pose.theta - self.frame.origin().theta) as f32).sin_cos();
-        let scale = (1.0 / self.frame.resolution()) as f32;
-        let turn = [cos * scale, sin * scale];
-        let sum = self.tiles.sum([from.x as f32, from.y as f32], turn, endpoints);
-        endpoints.len() as f64 * self.lowest + self.step * sum as f64
+        let mut out = [0.0];
+        let Pose2 { x, y, theta } = pose;
+        self.log_likelihoods([&[x], &[y], &[theta]], endpoints, &mut out);
+        out[0]
+    }
+
+    /// The same for many poses (x, y, theta) \[m, m, rad\], given by one coordinate after the
+    /// other, into `out`: to the bit what [`LikelihoodField::log_likelihood`] answers for each of
+    /// them. The shortest slice counts; what is beyond it in `out` stays as it is.
+    ///
+    /// Poses off the map and NaN are allowed: their beams end off the map.
+    ///
+    /// ```
+    /// use loc_core::Pose2;
+    /// use loc_maps::LikelihoodField;
+    /// use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
+    /// use loc_maps::worlds::{self, WorldSettings};
+    /// let office = worlds::office(&WorldSettings::default())?.grid;
+    /// let field = LikelihoodField::new(&office, &LikelihoodFieldSettings::default())?;
+    /// let scan = Endpoints::from_scan(&[-0.5, 0.5], &[2.0, 3.0]);
+    /// let (x, y, theta) = ([1.0, 2.0, f64::NAN], [1.0, 1.0, 1.0], [0.0, 0.1, 0.2]);
+    /// let mut out = [0.0; 3];
+    /// field.log_likelihoods([&x, &y, &theta], &scan, &mut out);
+    /// assert_eq!(out[1], field.log_likelihood(Pose2::new(2.0, 1.0, 0.1), &scan));
+    /// assert!(out[2].is_finite());
+    /// # Ok::<(), loc_maps::Error>(())
+    /// ```
+    pub fn log_likelihoods(&self, poses: [&[f64]; 3], endpoints: &Endpoints, out: &mut [f64]) {
+        let Scale { lowest, step } = self.scale;
+        let lowest = endpoints.len() as f64 * lowest;
+        let length = out.len();
+        let reading = LogLikelihood { lowest, step, sum: 0, out: out.iter_mut() };
+        self.rate(poses, length, endpoints, reading);
+    }
+
+    /// A function of the log-likelihood of a single beam, ready to be summed over beams by
+    /// [`LikelihoodField::sums`].
+    pub fn table(&self, function: impl Fn(f64) -> f64) -> LikelihoodTable {
+        let value = |code: usize| function(self.scale.log_likelihood(code as u8));
+        LikelihoodTable(std::array::from_fn(value))
+    }
+
+    /// For each of many poses the sum of a function of the beams' likelihoods, into `out`; poses
+    /// as in [`LikelihoodField::log_likelihoods`].
+    pub fn sums(
+        &self,
+        table: &LikelihoodTable,
+        poses: [&[f64]; 3],
+        endpoints: &Endpoints,
+        out: &mut [f64],
+    ) {
+        let length = out.len();
+        let LikelihoodTable(table) = table;
+        let reading = TableSum { table, sums: Default::default(), out: out.iter_mut() };
+        self.rate(poses, length, endpoints, reading);
+    }
+
+    /// For each beam, how many of the poses see it end where that is at least as likely as
+    /// `distance` \[m\] from the nearest obstacle; poses as in
+    /// [`LikelihoodField::log_likelihoods`].
+    pub fn hits(&self, distance: f64, poses: [&[f64]; 3], endpoints: &Endpoints) -> Vec<u32> {
+        let mut counts = vec![0; endpoints.len()];
+        let distance = distance.min(self.settings.max_distance);
+        let least = self.scale.code(self.settings.likelihood(distance).ln());
+        let reading = Count { least, counts: &mut counts };
+        self.rate(poses, usize::MAX, endpoints, reading);
+        counts
+    }
+
+    /// Reads the scan from the poses, `most` of them at the most.
+    fn rate(&self, poses: [&[f64]; 3], most: usize, endpoints: &Endpoints, reading: impl Reading) {
+        let count = poses.iter().fold(most, |count, slice| count.min(slice.len()));
+        let [x, y, theta] = poses.map(|slice| slice.get(..count).unwrap_or_default());
+        let LikelihoodField { frame, codes, .. } = self;
+        Rating { frame, codes, x, y, theta, endpoints, reading }.run();
+    }
+}
+
+impl Scale {
+    fn log_likelihood(self, code: u8) -> f64 {
+        self.lowest + self.step * f64::from(code)
+    }
+
+    /// The nearest code; those beyond the scale become its end.
+    fn code(self, log_likelihood: f64) -> u8 {
+        ((log_likelihood - self.lowest) / self.step).round() as u8
     }
 }

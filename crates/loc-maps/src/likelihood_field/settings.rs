@@ -17,10 +17,27 @@ pub struct LikelihoodFieldSettings {
     /// The range over which those are spread \[m\] (`laser_max_range`).
     pub max_range: f64,
     /// Farther from all obstacles than this, the likelihood stays as it is there \[m\]
-    /// (`laser_likelihood_max_dist`). Beams that end off the map count as this far.
+    /// (`laser_likelihood_max_dist`).
     pub max_distance: f64,
+    /// Which occupied cells a beam may end on.
+    pub obstacles: Obstacles,
     /// What the likelihood is in unknown cells.
     pub unknown_space: UnknownSpace,
+    /// What the likelihood is off the map.
+    pub off_map: OffMap,
+}
+
+/// Which occupied cells a beam may end on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Obstacles {
+    /// All of them, the inside of thick walls too.
+    #[default]
+    OccupiedCells,
+    /// Those that touch a free cell at a side or a corner. No beam ends deep inside a thick wall
+    /// or a solid block, so a pose that sees it there is wrong.
+    Surfaces,
 }
 
 /// What the likelihood of a beam's end is in unknown cells.
@@ -35,6 +52,18 @@ pub enum UnknownSpace {
     Likelihood(f64),
 }
 
+/// What the likelihood of a beam's end is off the map.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum OffMap {
+    /// As far from all obstacles as `max_distance`, as in nav2_amcl.
+    #[default]
+    Far,
+    /// This constant \[1/m\]; `1 / max_range` says that nothing is known there.
+    Likelihood(f64),
+}
+
 impl Default for LikelihoodFieldSettings {
     fn default() -> Self {
         LikelihoodFieldSettings {
@@ -43,7 +72,9 @@ impl Default for LikelihoodFieldSettings {
             z_rand: 0.5,
             max_range: 12.0,
             max_distance: 2.0,
+            obstacles: Obstacles::default(),
             unknown_space: UnknownSpace::default(),
+            off_map: OffMap::default(),
         }
     }
 }
@@ -52,13 +83,25 @@ impl LikelihoodFieldSettings {
     /// The density of a beam's end at `distance` \[m\] from the nearest obstacle \[1/m\]:
     /// `z_hit N(distance; 0, sigma_hit^2) + z_rand / max_range`.
     ///
-    /// nav2_amcl leaves out the normaliser of the Gaussian; for its figures, give `z_hit` times
-    /// `sigma_hit sqrt(2 pi)`.
+    /// nav2_amcl leaves out the normaliser of the Gaussian, see
+    /// [`LikelihoodFieldSettings::unnormalised`].
     pub fn likelihood(&self, distance: f64) -> f64 {
-        let normaliser = self.sigma_hit * std::f64::consts::TAU.sqrt();
         let deviation = distance / self.sigma_hit;
-        self.z_hit / normaliser * (-0.5 * deviation * deviation).exp()
+        self.z_hit / self.normaliser() * (-0.5 * deviation * deviation).exp()
             + self.z_rand / self.max_range
+    }
+
+    /// The settings whose likelihood is the pz of nav2_amcl,
+    /// `z_hit exp(-distance^2 / (2 sigma_hit^2)) + z_rand / max_range`, where these numbers are
+    /// those of a nav2 parameter file: `z_hit` times `sigma_hit sqrt(2 pi)`, all else the same.
+    #[must_use]
+    pub fn unnormalised(self) -> Self {
+        LikelihoodFieldSettings { z_hit: self.z_hit * self.normaliser(), ..self }
+    }
+
+    /// What the Gaussian is divided by \[m\].
+    fn normaliser(&self) -> f64 {
+        self.sigma_hit * std::f64::consts::TAU.sqrt()
     }
 
     /// Checks every number.
@@ -75,6 +118,9 @@ impl LikelihoodFieldSettings {
         positive("max_distance [m]", self.max_distance)?;
         if let UnknownSpace::Likelihood(likelihood) = self.unknown_space {
             positive("unknown_space likelihood [1/m]", likelihood)?;
+        }
+        if let OffMap::Likelihood(likelihood) = self.off_map {
+            positive("off_map likelihood [1/m]", likelihood)?;
         }
         Ok(())
     }

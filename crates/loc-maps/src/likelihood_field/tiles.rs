@@ -1,13 +1,10 @@
 //! Bytes of a grid in tiles of 8 x 8, with a margin of one tile all round.
 
-use super::Endpoints;
+use super::endpoints::BLOCK;
+use super::view::View;
 
 /// Side of a tile \[cells\]; the margin is as wide.
 const SIDE: usize = 8;
-
-/// How many beams are placed before their tiles are read: long enough for vector instructions,
-/// short enough to stay in the fastest memory.
-const BATCH: usize = 16;
 
 /// The bits of a number in single precision that hold its digits.
 const MANTISSA: u32 = (1 << (f32::MANTISSA_DIGITS - 1)) - 1;
@@ -15,7 +12,11 @@ const MANTISSA: u32 = (1 << (f32::MANTISSA_DIGITS - 1)) - 1;
 /// How many bytes the processor fetches together: a tile.
 const LINE: usize = SIDE * SIDE;
 
-#[derive(Debug, Clone)]
+/// The longest side of a grid that coordinates in single precision are good for \[cells\]: at its
+/// far end they are rounded to 1/64 of a cell.
+pub(super) const LONGEST_SIDE: usize = 1 << 18;
+
+#[derive(Debug)]
 pub(super) struct Tiles {
     /// The codes tile by tile, from `start` on, so that tiles begin where cache lines do.
     codes: Vec<u8>,
@@ -31,12 +32,12 @@ pub(super) struct Tiles {
 }
 
 impl Tiles {
-    /// Tiles for a grid, filled with the code of what lies off the map.
+    /// Tiles for a grid with sides up to [`LONGEST_SIDE`], filled with the code of what lies off
+    /// the map.
     pub(super) fn new(width: usize, height: usize, off_map: u8) -> Self {
         let [across, up] = [width, height].map(|cells| cells.div_ceil(SIDE) + 2);
         let last = [across, up].map(|tiles| (tiles * SIDE - 1) as f32);
-        let codes = vec![off_map; across * up * LINE + LINE];
-        let start = codes.as_ptr().align_offset(LINE).min(LINE);
+        let (codes, start) = aligned(across * up * LINE, off_map);
         // At most eight bits of fraction, so that 2.999 stays below 3.
         let whole_bits = (across.max(up) * SIDE).ilog2() + 1;
         let fraction_bits = f32::MANTISSA_DIGITS.saturating_sub(1 + whole_bits).min(8);
@@ -56,46 +57,31 @@ impl Tiles {
         }
     }
 
-    /// The code at a place of the grid's frame \[cells\], on the map or off it.
-    pub(super) fn at(&self, u: f32, v: f32) -> u8 {
-        code(self.aligned(), self.place_at(u + SIDE as f32, v + SIDE as f32))
-    }
-
-    /// The sum of the codes at the ends of beams, seen from `from` \[cells\]; `turn` is cosine and
-    /// sine of the heading in cells a metre.
-    pub(super) fn sum(&self, from: [f32; 2], turn: [f32; 2], endpoints: &Endpoints) -> u64 {
-        let [u, v] = from.map(|coordinate| coordinate + SIDE as f32);
-        let [cos, sin] = turn;
-        let codes = self.aligned();
-        let place = |x: f32, y: f32| self.place_at(u + cos * x - sin * y, v + sin * x + cos * y);
-        // All places of a batch first, by vector instructions; then the lookups.
-        let batch = |xs: &[f32; BATCH], ys: &[f32; BATCH]| {
-            let mut places = [0; BATCH];
-            for (k, at) in places.iter_mut().enumerate() {
-                *at = place(xs[k], ys[k]);
-            }
-            let mut sum = 0;
-            for at in places {
-                sum += u32::from(code(codes, at));
-            }
-            u64::from(sum)
-        };
-        let (xs, rest_xs) = endpoints.xs().as_chunks::<BATCH>();
-        let (ys, rest_ys) = endpoints.ys().as_chunks::<BATCH>();
-        let whole: u64 = xs.iter().zip(ys).map(|(xs, ys)| batch(xs, ys)).sum();
-        if rest_xs.is_empty() {
-            return whole;
-        }
-        // The rest is filled up with beams that end where they begin, which are taken off again.
-        let (mut last_xs, mut last_ys) = ([0.0; BATCH], [0.0; BATCH]);
-        last_xs[..rest_xs.len()].copy_from_slice(rest_xs);
-        last_ys[..rest_ys.len()].copy_from_slice(rest_ys);
-        let fillers = (BATCH - rest_xs.len()) as u64;
-        whole + batch(&last_xs, &last_ys) - fillers * u64::from(code(codes, place(0.0, 0.0)))
-    }
-
-    fn aligned(&self) -> &[u8] {
+    /// The codes in the order in which places count them.
+    #[inline(always)]
+    pub(super) fn codes(&self) -> &[u8] {
         self.codes.get(self.start..).unwrap_or_default()
+    }
+
+    /// The place of a point of the grid's frame \[cells\], on the map or off it.
+    pub(super) fn place_of(&self, u: f64, v: f64) -> u32 {
+        self.place_at(u as f32 + SIDE as f32, v as f32 + SIDE as f32)
+    }
+
+    /// The places of the cells in which the beams of a block end.
+    #[inline(always)]
+    pub(super) fn places(
+        &self,
+        view: View,
+        (xs, ys): (&[f32; BLOCK], &[f32; BLOCK]),
+    ) -> [u32; BLOCK] {
+        let view = View { u: view.u + SIDE as f32, v: view.v + SIDE as f32, ..view };
+        let mut places = [0; BLOCK];
+        for (place, (&x, &y)) in places.iter_mut().zip(xs.iter().zip(ys)) {
+            let (u, v) = view.end(x, y);
+            *place = self.place_at(u, v);
+        }
+        places
     }
 
     /// The place of a cell by coordinates from the corner of the margin; what lies outside,
@@ -118,8 +104,19 @@ impl Tiles {
     }
 }
 
-/// The code at a place, which lies in the tiles as the coordinates that it came from are clamped.
-#[inline(always)]
-fn code(codes: &[u8], place: u32) -> u8 {
-    codes[place as usize]
+impl Clone for Tiles {
+    /// The copy's tiles begin where cache lines do in its own memory.
+    fn clone(&self) -> Self {
+        let tiles = self.codes.len() - LINE;
+        let (mut codes, start) = aligned(tiles, 0);
+        codes[start..start + tiles].copy_from_slice(&self.codes[self.start..self.start + tiles]);
+        Tiles { codes, start, ..*self }
+    }
+}
+
+/// Memory with one line more than asked for, and where its first whole line begins.
+fn aligned(bytes: usize, value: u8) -> (Vec<u8>, usize) {
+    let codes = vec![value; bytes + LINE];
+    let start = codes.as_ptr().align_offset(LINE).min(LINE);
+    (codes, start)
 }

@@ -20,7 +20,8 @@
 use super::Transport;
 use crate::Result;
 use loc_core::error::{non_negative, probability};
-use loc_core::{Normal, Pose2};
+use loc_core::{Gaussian, Normal, Pose2};
+use nalgebra::{Matrix3, Vector3};
 
 /// A way through the odometry's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -150,6 +151,20 @@ impl NoisyStep {
             faulty_sigmas: [faulty_along, faulty_across, faulty_heading].map(f64::sqrt),
             fault_above: quantile.unwrap_or(f64::INFINITY),
         }
+    }
+
+    /// A belief carried along by the step to first order (E6), faults of the odometry left aside.
+    pub fn belief_after(&self, belief: &Gaussian<3>) -> Gaussian<3> {
+        let pose = belief.pose();
+        let after = pose * self.step;
+        let (dx, dy) = (after.x - pose.x, after.y - pose.y);
+        let (sin, cos) = pose.theta.sin_cos();
+        let by_pose = Matrix3::new(1.0, 0.0, -dy, 0.0, 1.0, dx, 0.0, 0.0, 1.0);
+        let by_noise = Matrix3::new(cos, -sin, -0.5 * dy, sin, cos, 0.5 * dx, 0.0, 0.0, 1.0);
+        let variances = Matrix3::from_diagonal(&Vector3::from(self.sigmas.map(|s| s * s)));
+        let covariance = by_pose * belief.covariance * by_pose.transpose()
+            + by_noise * variances * by_noise.transpose();
+        Gaussian { mean: after.to_vector(), covariance }
     }
 }
 

@@ -5,10 +5,13 @@
 //! too.
 
 pub mod beam;
-mod likelihood_field;
+pub mod landmark;
+pub mod likelihood_field;
+pub mod perceptual;
 
 pub use beam::{BeamLikelihood, BeamModel, BeamModelSettings};
-pub use likelihood_field::FieldLikelihood;
+pub use landmark::LandmarkLikelihood;
+pub use likelihood_field::{BeamSkip, FieldLikelihood, SumOfCubes};
 
 use crate::Poses;
 use loc_core::Pose2;

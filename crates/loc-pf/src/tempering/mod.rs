@@ -33,7 +33,8 @@ mod settings;
 
 pub use settings::TemperingSettings;
 
-use crate::{Likelihood, ParticleFilter, Particles, Transport};
+use crate::resample::Wheel;
+use crate::{Likelihood, ParticleFilter, Particles, Resampling, Transport};
 use part::{Part, Walk};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -47,6 +48,7 @@ pub struct Tempering {
     parts: Vec<Part>,
     spare: Vec<Part>,
     log_weights: Vec<f64>,
+    wheel: Wheel,
     indices: Vec<u32>,
 }
 
@@ -69,8 +71,8 @@ impl Tempering {
         Ok(Tempering { settings, ..Tempering::default() })
     }
 
-    /// Moves the cloud by `step` and takes in `measurement`. Where stages resample, they draw
-    /// `count` particles; otherwise their number stays.
+    /// Moves the cloud by `step` and takes in `measurement`. Where stages resample, the spoke wheel
+    /// draws `count` particles; otherwise their number stays.
     pub fn update(
         &mut self,
         filter: &mut ParticleFilter,
@@ -179,12 +181,8 @@ impl Tempering {
 
     /// Draws particles in proportion to their weights, together with what led to them.
     fn resample(&mut self, filter: &mut ParticleFilter, count: usize) {
-        if !self.log_weights.iter().any(|weight| weight.is_finite()) {
-            self.log_weights.fill(0.0);
-        }
-        let largest = self.log_weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        self.log_weights.iter_mut().for_each(|weight| *weight -= largest);
-        filter.draw(&self.log_weights, count, &mut self.indices);
+        self.wheel.set(&self.log_weights);
+        Resampling::Systematic.spin(&self.wheel, count, filter.rng_mut(), &mut self.indices);
         std::mem::swap(&mut self.parts, &mut self.spare);
         self.parts.resize_with(count.div_ceil(PART), Part::default);
         for (part, indices) in self.parts.iter_mut().zip(self.indices.chunks(PART)) {

@@ -1,5 +1,6 @@
 //! The density of a range.
 
+use super::range_model::rows;
 use super::{BeamForm, BeamModelSettings, RangeModel};
 use crate::Result;
 use loc_core::Normal;
@@ -108,28 +109,37 @@ impl RangeModel for BeamModel {
         }
     }
 
-    /// The same numbers as by single calls, without what is the same for many expected ranges.
-    fn tabulate(&self, measured: f64, step: f64, logarithms: &mut [f32]) {
-        let BeamModelSettings { form, z_short, z_rand, max_range, sigma_hit, lambda_short, .. } =
+    /// The same numbers as by single calls, without what is the same for many pairs of ranges.
+    fn tabulate(&self, measured: &[f64], step: f64, tables: &mut [f32]) {
+        let BeamModelSettings { z_short, z_rand, max_range, sigma_hit, lambda_short, .. } =
             self.settings;
-        let Some((nothing, finite)) = logarithms.split_last_mut() else { return };
-        *nothing = self.log_density(f64::INFINITY, measured) as f32;
-        if form == BeamForm::Mixture && measured >= max_range {
-            return finite.fill(self.log_density(0.0, measured) as f32);
-        }
-        let stopped = z_short * lambda_short * (-lambda_short * measured).exp();
-        let random = z_rand / max_range;
-        for (k, logarithm) in finite.iter_mut().enumerate() {
-            let expected = k as f64 * step;
-            let near = (expected - measured).abs() < REACH * sigma_hit;
-            *logarithm = if near || form == BeamForm::Gaussian || expected >= max_range {
-                self.log_density(expected, measured) as f32
-            } else if expected < measured {
-                random.max(LEAST).ln() as f32
-            } else {
-                let short = stopped / -(-lambda_short * expected).exp_m1();
-                (short + random).max(LEAST).ln() as f32
-            };
+        let mixture = self.settings.form == BeamForm::Mixture;
+        let entries = tables.len().checked_div(measured.len()).unwrap_or(0);
+        // What the densities of short ranges are divided by.
+        let before = |k: usize| -(-lambda_short * k as f64 * step).exp_m1();
+        let stopped: Vec<f64> = (0..entries).map(|k| z_short * lambda_short / before(k)).collect();
+        let random = (z_rand / max_range).max(LEAST);
+        for (&measured, table) in measured.iter().zip(rows(tables, measured.len())) {
+            let Some((finite, nothing)) = table.split_last_chunk_mut::<2>() else { return };
+            nothing.fill(self.log_density(f64::INFINITY, measured) as f32);
+            if mixture && measured >= max_range {
+                finite.fill(self.log_density(0.0, measured) as f32);
+                continue;
+            }
+            let decay = (-lambda_short * measured).exp();
+            let far = random.ln() as f32;
+            for (k, logarithm) in finite.iter_mut().enumerate() {
+                // The longest range itself would be no return already.
+                let expected = (k as f64 * step).min(max_range.next_down());
+                let near = (expected - measured).abs() < REACH * sigma_hit;
+                *logarithm = if near || !mixture {
+                    self.log_density(expected, measured) as f32
+                } else if expected < measured {
+                    far
+                } else {
+                    (stopped[k] * decay + random).ln() as f32
+                };
+            }
         }
     }
 }

@@ -1,0 +1,188 @@
+//! Which cells are occupied: a hash table of blocks of 4 x 4 squares, in which every square has one
+//! bit for each heading. A tracked cloud lies in a few blocks; a cloud all over a map fills most
+//! squares of the blocks it needs.
+
+use super::raster::{Address, MOST_HEADINGS};
+
+/// Stands for particles that are in no cell.
+pub(super) const NOWHERE: u32 = u32::MAX;
+
+/// Squares along the side of a block.
+const SIDE: u32 = 4;
+
+/// Squares of a block.
+const SQUARES: usize = (SIDE * SIDE) as usize;
+
+/// Cells of a block.
+const BLOCK: u32 = SQUARES as u32 * MOST_HEADINGS;
+
+/// From one key to that of the block above.
+const ROW: u64 = 1 << 32;
+
+/// The headings of a square at which there are particles.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Square {
+    /// One bit for each heading.
+    pub(super) headings: u64,
+    /// The number of the first cell; the others follow in the order of their headings.
+    first: u32,
+}
+
+impl Square {
+    /// The number of the cell at a heading that is occupied.
+    #[inline(always)]
+    pub(super) fn cell(&self, heading: u32) -> u32 {
+        self.first + (self.headings & ((1 << heading) - 1)).count_ones()
+    }
+}
+
+/// Squares row by row.
+#[derive(Debug)]
+struct Block {
+    /// Row and column, 32 bits each.
+    key: u64,
+    /// Where it stands in the table.
+    slot: usize,
+    squares: [Square; SQUARES],
+}
+
+/// Open addressing with linear probing: 4 bytes a slot, at most half of them taken.
+#[derive(Debug, Default)]
+pub(super) struct Blocks {
+    /// Index of a block plus 1; 0 is free.
+    slots: Vec<u32>,
+    blocks: Vec<Block>,
+    /// The blocks row by row.
+    order: Vec<u32>,
+}
+
+impl Blocks {
+    /// Forgets all blocks and keeps the memory.
+    pub(super) fn clear(&mut self) {
+        for block in self.blocks.drain(..) {
+            self.slots[block.slot] = 0;
+        }
+        if self.slots.is_empty() {
+            self.slots.resize(256, 0);
+        }
+    }
+
+    /// Marks a cell as occupied and returns its place, from which [`cell`](Blocks::cell) tells its
+    /// number later.
+    #[inline(always)]
+    pub(super) fn occupy(&mut self, address: Address) -> u32 {
+        let [row, column] = address.square;
+        let key = u64::from(row / SIDE) * ROW + u64::from(column / SIDE);
+        let square = row % SIDE * SIDE + column % SIDE;
+        let index = match self.look_up(key) {
+            Ok(index) => index,
+            // Places have room for 4 million blocks; a cloud that needs more is on no map.
+            Err(_) if self.blocks.len() as u32 >= NOWHERE / BLOCK => return NOWHERE,
+            Err(slot) => self.add(key, slot),
+        };
+        self.blocks[index].squares[square as usize].headings |= 1 << address.heading;
+        index as u32 * BLOCK + square * MOST_HEADINGS + address.heading
+    }
+
+    /// The number of the cell at a place.
+    #[inline(always)]
+    pub(super) fn cell(&self, place: u32) -> u32 {
+        let square = (place / MOST_HEADINGS) as usize % SQUARES;
+        self.blocks[(place / BLOCK) as usize].squares[square].cell(place % MOST_HEADINGS)
+    }
+
+    /// Numbers the cells by where they are, whatever the order in which they were occupied; returns
+    /// how many there are.
+    pub(super) fn number_cells(&mut self) -> usize {
+        self.order.clear();
+        self.order.extend(0..self.blocks.len() as u32);
+        self.order.sort_unstable_by_key(|&index| self.blocks[index as usize].key);
+        let mut next = 0;
+        for &index in &self.order {
+            for square in &mut self.blocks[index as usize].squares {
+                square.first = next;
+                next += square.headings.count_ones();
+            }
+        }
+        next as usize
+    }
+
+    /// Hands out every occupied square with its neighbours to the right, above left, above, and
+    /// above right, so that each two squares that touch come together once.
+    pub(super) fn for_neighbours(&self, mut work: impl FnMut(&Square, [&Square; 4])) {
+        const WIDTH: usize = SIDE as usize + 2;
+        let free = [Square::default(); SQUARES];
+        for &index in &self.order {
+            let block = &self.blocks[index as usize];
+            let at = |up: u64, right: u64| {
+                // One more to the right than is meant.
+                let key = block.key.wrapping_add(up * ROW + right).wrapping_sub(1);
+                self.look_up(key).map_or(&free, |index| &self.blocks[index].squares)
+            };
+            let [left, right] = [at(0, 0), at(0, 2)];
+            let above = [at(1, 0), at(1, 1), at(1, 2)];
+            // The block with a border of one square, but for the side below.
+            let row = |row: usize| {
+                let [left, own, right] =
+                    if row < SIDE as usize { [left, &block.squares, right] } else { above };
+                let first = row % SIDE as usize * SIDE as usize;
+                let [a, b, c, d] = std::array::from_fn(|k| &own[first + k]);
+                [&left[first + SIDE as usize - 1], a, b, c, d, &right[first]]
+            };
+            let mut lower: [&Square; WIDTH] = row(0);
+            for upper in (1..=SIDE as usize).map(row) {
+                for k in 1..WIDTH - 1 {
+                    if lower[k].headings != 0 {
+                        work(lower[k], [lower[k + 1], upper[k - 1], upper[k], upper[k + 1]]);
+                    }
+                }
+                lower = upper;
+            }
+        }
+    }
+
+    /// The index of the block with a key, or else the slot where it belongs.
+    #[inline(always)]
+    fn look_up(&self, key: u64) -> Result<usize, usize> {
+        let mut slot = self.home(key);
+        loop {
+            let Some(index) = self.slots[slot].checked_sub(1) else { return Err(slot) };
+            if self.blocks[index as usize].key == key {
+                return Ok(index as usize);
+            }
+            slot = (slot + 1) & (self.slots.len() - 1);
+        }
+    }
+
+    /// Where the search for a key begins (Fibonacci hashing); there are 2^k slots.
+    #[inline(always)]
+    fn home(&self, key: u64) -> usize {
+        let mixed = (key ^ (key >> 29)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (mixed >> (u64::BITS - self.slots.len().trailing_zeros())) as usize
+    }
+
+    #[cold]
+    fn add(&mut self, key: u64, slot: usize) -> usize {
+        let index = self.blocks.len();
+        self.blocks.push(Block { key, slot, squares: [Square::default(); SQUARES] });
+        self.slots[slot] = index as u32 + 1;
+        if 2 * self.blocks.len() > self.slots.len() {
+            self.grow();
+        }
+        index
+    }
+
+    fn grow(&mut self) {
+        let slots = 2 * self.slots.len();
+        self.slots.clear();
+        self.slots.resize(slots, 0);
+        for index in 0..self.blocks.len() {
+            let mut slot = self.home(self.blocks[index].key);
+            while self.slots[slot] != 0 {
+                slot = (slot + 1) & (slots - 1);
+            }
+            self.slots[slot] = index as u32 + 1;
+            self.blocks[index].slot = slot;
+        }
+    }
+}

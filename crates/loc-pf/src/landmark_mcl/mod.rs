@@ -1,0 +1,282 @@
+//! Monte Carlo localization with landmarks whose places are known (M5).
+//!
+//! A cloud of particles drives as the odometry says, each with an error of its own; every sighting
+//! of a landmark favours those that would have seen it so. Unlike the extended Kalman filter it
+//! needs no start pose, holds several possible places apart until a sighting decides, and finds
+//! back after it was carried away. It takes the same stamped inputs, late ones included.
+//!
+//! ```
+//! use loc_core::{Pose2, Twist2, gaussian::pose_belief, random::stream};
+//! use loc_maps::{Landmark, LandmarkMap};
+//! use loc_pf::{LandmarkMcl, LandmarkMclSettings};
+//! use loc_sensors::landmark_camera::{Sight, Sighting};
+//!
+//! let map = LandmarkMap::new([Landmark::planar(1, 4.0, 0.0), Landmark::planar(2, 0.0, 3.0)])?;
+//! let start = pose_belief(Pose2::IDENTITY, [0.5, 0.5, 0.1]);
+//! let settings = LandmarkMclSettings::default();
+//! let mut mcl = LandmarkMcl::new(map, settings, 0.0, &start, stream(1, "mcl"))?;
+//! mcl.velocity(0.0, Twist2::forward(1.0, 0.0))?;
+//! let sight = Sight::RangeBearing { range: 2.0, bearing: 0.0 };
+//! mcl.sightings(2.0, &[Sighting { landmark: 1, sight }])?;
+//! assert!((mcl.estimate(2.5)?.mean.x - 2.5).abs() < 0.2);
+//! # Ok::<(), loc_pf::Error>(())
+//! ```
+
+mod leg;
+mod recovery;
+mod settings;
+mod update;
+mod velocities;
+
+pub use settings::{LandmarkMclSettings, RecoverySettings};
+pub use update::SightingUpdate;
+
+use crate::estimate::moments;
+use crate::{Error, ParticleFilter, Particles, Result, Workers};
+use loc_core::Gaussian;
+use loc_core::error::finite;
+use loc_core::motion::{Twist2, dead_reckon};
+use loc_core::random::ChaCha8Rng;
+use loc_maps::{Bounds, LandmarkMap};
+use loc_sensors::landmark_camera::Sighting;
+use recovery::Fit;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use velocities::Velocities;
+
+/// Monte Carlo localization over stamped velocities and sightings, in order or late.
+///
+/// A velocity holds from its stamp until the next one. Sightings may come between velocities,
+/// several at one stamp, up to the settings' `horizon` late, or not at all: the result is the same,
+/// to the bit, as if all had come in order. For that the cloud before each sighting of the last
+/// `horizon` is kept, 32 bytes a particle.
+#[derive(Debug)]
+pub struct LandmarkMcl {
+    map: Arc<LandmarkMap>,
+    settings: LandmarkMclSettings,
+    /// Where the robot can be.
+    region: Bounds,
+    filter: ParticleFilter,
+    state: State,
+    velocities: Velocities,
+    /// The sightings of the recent past.
+    past: VecDeque<Moment>,
+}
+
+/// What the filter knows beside its cloud.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    /// The time to which the cloud belongs \[s\].
+    stamp: f64,
+    /// What the cloud says about the pose.
+    belief: Gaussian<3>,
+    fit: Fit,
+    /// Whether the cloud lies anywhere and waits for its first sighting.
+    anywhere: bool,
+}
+
+/// The filter as it was at some time.
+#[derive(Debug)]
+struct Snapshot {
+    state: State,
+    particles: Particles,
+    rng: ChaCha8Rng,
+}
+
+/// Sightings, and the filter as it was before them.
+#[derive(Debug)]
+struct Moment {
+    stamp: f64,
+    sightings: Vec<Sighting>,
+    before: Snapshot,
+}
+
+impl LandmarkMcl {
+    /// A robot that stands still at `stamp` \[s\] with a belief over (x, y, theta) (A1).
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid, and for a map
+    /// without landmarks.
+    pub fn new(
+        map: impl Into<Arc<LandmarkMap>>,
+        settings: LandmarkMclSettings,
+        stamp: f64,
+        start: &Gaussian<3>,
+        rng: ChaCha8Rng,
+    ) -> Result<Self> {
+        let mut mcl = LandmarkMcl::anywhere(map, settings, stamp, rng)?;
+        let start = Gaussian::new(start.mean, start.covariance)?;
+        let cloud = Particles::from_gaussian(&start, settings.particles, mcl.filter.rng_mut());
+        *mcl.filter.particles_mut() = cloud;
+        mcl.state = State { belief: start, anywhere: false, ..mcl.state };
+        Ok(mcl)
+    }
+
+    /// A robot that stands still at `stamp` \[s\] anywhere around the landmarks (A2). With the
+    /// first sightings the cloud gathers where those may have been seen from.
+    ///
+    /// # Errors
+    /// As [`LandmarkMcl::new`].
+    pub fn anywhere(
+        map: impl Into<Arc<LandmarkMap>>,
+        settings: LandmarkMclSettings,
+        stamp: f64,
+        rng: ChaCha8Rng,
+    ) -> Result<Self> {
+        settings.validate()?;
+        let (map, stamp) = (map.into(), finite("start time [s]", stamp)?);
+        let places = map.iter().map(|landmark| landmark.position.xy());
+        let region = Bounds::around(places).map(|bounds| bounds.grown(settings.margin));
+        let (what, expected) = ("landmarks of the map", "at least 1");
+        let none = loc_core::Error::Length { what, expected, found: 0 };
+        let region = region.ok_or(none)?;
+        let workers = Workers::new(settings.threads)?;
+        let mut filter = ParticleFilter::new(Particles::new(), rng).with_workers(workers);
+        *filter.particles_mut() = update::scattered(&region, settings.particles, filter.rng_mut());
+        let belief = moments(filter.particles());
+        let state = State { stamp, belief, fit: Fit::default(), anywhere: true };
+        let (velocities, past) = (Velocities::default(), VecDeque::new());
+        Ok(LandmarkMcl { map, settings, region, filter, state, velocities, past })
+    }
+
+    /// Starts anew from a belief; what was measured so far is forgotten, the velocity is not.
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for a belief that is not valid.
+    pub fn start_at(&mut self, start: &Gaussian<3>) -> Result<()> {
+        let start = Gaussian::new(start.mean, start.covariance)?;
+        let count = self.settings.particles;
+        *self.filter.particles_mut() =
+            Particles::from_gaussian(&start, count, self.filter.rng_mut());
+        self.state = State { belief: start, fit: Fit::default(), anywhere: false, ..self.state };
+        self.past.clear();
+        Ok(())
+    }
+
+    /// The velocity from `stamp` \[s\] on.
+    ///
+    /// # Errors
+    /// [`Error::TooLate`], and [`loc_core::Error::OutOfRange`] for what is not finite.
+    pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
+        for value in [twist.vx, twist.vy, twist.omega] {
+            finite("velocity [m/s, rad/s]", value)?;
+        }
+        self.check_stamp("velocity", stamp)?;
+        self.velocities.insert(stamp, twist);
+        // It changes what was before a sighting after it.
+        let place = self.place_after(stamp);
+        self.go_back_to(place);
+        self.repeat_from(place)?;
+        self.forget();
+        Ok(())
+    }
+
+    /// Any number of landmarks seen at `stamp` \[s\].
+    ///
+    /// # Errors
+    /// [`Error::TooLate`], and [`loc_core::Error::OutOfRange`] for sightings that are not valid,
+    /// none of which is then used.
+    pub fn sightings(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<SightingUpdate> {
+        self.check_stamp("sightings", stamp)?;
+        sightings.iter().try_for_each(|sighting| sighting.sight.check().map(|_| ()))?;
+        let place = self.place_after(stamp);
+        self.go_back_to(place);
+        let before = self.snapshot();
+        let update = self.take_in(stamp, sightings)?;
+        self.past.insert(place, Moment { stamp, sightings: sightings.to_vec(), before });
+        self.repeat_from(place + 1)?;
+        self.forget();
+        Ok(update)
+    }
+
+    /// The belief at a time \[s\]: predicted from the last sighting before it.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite.
+    pub fn estimate(&self, stamp: f64) -> Result<Gaussian<3>> {
+        finite("stamp [s]", stamp)?;
+        let later = self.past.get(self.place_after(stamp));
+        let State { stamp: from, belief, .. } =
+            later.map_or(self.state, |moment| moment.before.state);
+        let LandmarkMclSettings { integration, motion_noise, .. } = &self.settings;
+        let drive = self.velocities.between(from, stamp);
+        Ok(drive.fold(belief, |belief, hold| {
+            dead_reckon(&belief, hold.twist, hold.duration, *integration, motion_noise)
+        }))
+    }
+
+    /// The cloud, at the time of the last sighting.
+    pub fn particles(&self) -> &Particles {
+        self.filter.particles()
+    }
+
+    /// How well sightings fit, as shares of what they would without errors: in the long run and of
+    /// late. `None` before the first.
+    pub fn fit(&self) -> Option<[f64; 2]> {
+        self.state.fit.averages()
+    }
+
+    /// Time of the newest input \[s\]; `None` before the first.
+    fn newest(&self) -> Option<f64> {
+        let sightings = self.past.back().map(|moment| moment.stamp);
+        let newest = [self.velocities.newest(), sightings].into_iter().flatten();
+        newest.reduce(f64::max)
+    }
+
+    fn check_stamp(&self, what: &'static str, stamp: f64) -> Result<()> {
+        finite("stamp [s]", stamp)?;
+        let horizon = self.settings.horizon;
+        match self.newest() {
+            Some(newest) if stamp < newest - horizon => {
+                Err(Error::TooLate { what, stamp, newest, horizon })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Index of the first remembered sightings after a time.
+    fn place_after(&self, stamp: f64) -> usize {
+        self.past.partition_point(|moment| moment.stamp <= stamp)
+    }
+
+    fn snapshot(&mut self) -> Snapshot {
+        let particles = self.filter.particles().clone();
+        Snapshot { state: self.state, particles, rng: self.filter.rng_mut().clone() }
+    }
+
+    fn go_back_to(&mut self, place: usize) {
+        if let Some(Moment { before, .. }) = self.past.get(place) {
+            self.state = before.state;
+            self.filter.particles_mut().clone_from(&before.particles);
+            self.filter.rng_mut().clone_from(&before.rng);
+        }
+    }
+
+    /// Takes in again, from where the filter stands, the sightings from index `place` on.
+    fn repeat_from(&mut self, place: usize) -> Result<()> {
+        for place in place..self.past.len() {
+            let before = self.snapshot();
+            let sightings = std::mem::take(&mut self.past[place].sightings);
+            let stamp = self.past[place].stamp;
+            self.take_in(stamp, &sightings)?;
+            self.past[place] = Moment { stamp, sightings, before };
+        }
+        Ok(())
+    }
+
+    /// Forgets what no input can reach any more.
+    fn forget(&mut self) {
+        let Some(limit) = self.newest().map(|newest| newest - self.settings.horizon) else {
+            return;
+        };
+        // The newest moment stays, so that there is always a last stamp to compare with.
+        while self.past.len() > 1 && self.past[0].stamp < limit {
+            self.past.pop_front();
+        }
+        if let Some(stamp) = self.velocities.leg_end_before(limit) {
+            self.drive_to(stamp);
+        }
+        let oldest = self.past.front().map_or(self.state.stamp, |moment| moment.before.state.stamp);
+        self.velocities.forget_before(oldest);
+    }
+}

@@ -1,0 +1,129 @@
+//! The wheel that all schemes draw from: one sector for each particle.
+
+use crate::elementary::{ROUND, exp};
+use crate::log_weights::largest;
+use pulp::{Arch, Simd, WithSimd};
+
+/// A wheel with one sector for each particle, as wide as its weight.
+///
+/// Widths are whole numbers: the widest sector has `2^(51 - log2 M)`, rounded down to a power of
+/// two, so that sums are exact in every order, equal weights have exactly equal sectors, and
+/// rounding never moves a border. A weight below 3e-11 of the largest (at M = 100000; 5e-13 at 2000) counts
+/// as 0.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Wheel {
+    /// Where the sectors end; a whole number below 2^52.
+    ends: Vec<f64>,
+    /// The last sector that is not empty, where rounding may lead at the upper end.
+    last: usize,
+}
+
+impl Wheel {
+    /// A wheel without sectors.
+    pub fn new() -> Self {
+        Wheel::default()
+    }
+
+    /// Sets the sectors from the logarithms of weights, which need not add up to 1.
+    ///
+    /// NaN counts as -inf. Where no weight is finite, or one is infinite, all sectors are equal.
+    pub fn set(&mut self, log_weights: &[f64]) {
+        self.ends.resize(log_weights.len(), 0.0);
+        Arch::new().dispatch(Set { log_weights, ends: &mut self.ends });
+        let circumference = self.circumference();
+        self.last = self.ends.partition_point(|&end| end < circumference);
+    }
+
+    /// Number of sectors.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// The particle whose sector lies at `share` of the way around, in \[0, 1); never one of weight
+    /// 0. O(log M).
+    pub fn index_at(&self, share: f64) -> usize {
+        let place = share * self.circumference();
+        self.ends.partition_point(|&end| end <= place).min(self.last)
+    }
+
+    /// Where the sectors end, in whole units, in order.
+    pub(super) fn ends(&self) -> &[f64] {
+        &self.ends
+    }
+
+    /// All sectors together.
+    pub(super) fn circumference(&self) -> f64 {
+        self.ends.last().copied().unwrap_or(0.0)
+    }
+
+    /// The last sector that is not empty.
+    pub(super) fn last(&self) -> usize {
+        self.last
+    }
+}
+
+struct Set<'a> {
+    log_weights: &'a [f64],
+    ends: &'a mut [f64],
+}
+
+impl WithSimd for Set<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let largest = largest(self.log_weights);
+        let unit = unit(self.ends.len());
+        if largest.is_finite() {
+            for (end, weight) in self.ends.iter_mut().zip(self.log_weights) {
+                *end = (exp(weight - largest) * unit + ROUND) - ROUND;
+            }
+        } else {
+            self.ends.fill(unit);
+        }
+        add_up(self.ends);
+    }
+}
+
+/// Sectors added up side by side.
+const LANES: usize = 8;
+
+/// The width of the widest of `count` sectors: all together stay below 2^52.
+#[inline(always)]
+fn unit(count: usize) -> f64 {
+    let bits = usize::BITS - count.leading_zeros();
+    (1_u64 << 51_u32.saturating_sub(bits)) as f64
+}
+
+/// Replaces widths by their running sums.
+#[inline(always)]
+fn add_up(widths: &mut [f64]) {
+    let mut total = 0.0;
+    let (chunks, rest) = widths.as_chunks_mut::<LANES>();
+    for chunk in chunks {
+        *chunk = prefix_sums(*chunk).map(|sum| sum + total);
+        total = chunk[LANES - 1];
+    }
+    for width in rest {
+        total += *width;
+        *width = total;
+    }
+}
+
+/// Sums of the first 1, 2, .. numbers, in three steps of eight sums each instead of seven that wait
+/// for each other; the numbers are whole, so the order changes nothing.
+#[inline(always)]
+fn prefix_sums(mut sums: [f64; LANES]) -> [f64; LANES] {
+    for step in [1, 2, 4] {
+        let before = sums;
+        for lane in step..LANES {
+            sums[lane] = before[lane] + before[lane - step];
+        }
+    }
+    sums
+}

@@ -1,0 +1,224 @@
+//! The likelihood of many poses at once, in single precision.
+//!
+//! Particles are taken in blocks whose coordinates stay in the fastest memory; for each sighting a
+//! loop without branches runs over the block. No direction is computed for a particle, only the
+//! angle between where the landmark is and where it was seen. With outliers the factors of a few
+//! sightings are multiplied up before one logarithm is taken.
+
+use super::{LandmarkLikelihood, Placed, SightModel, plain, single};
+use crate::Poses;
+use loc_core::Pose2;
+use loc_sensors::landmark_camera::Sight;
+use nalgebra::Point2;
+
+/// Particles of one block: a multiple of every vector's length.
+const BLOCK: usize = 64;
+
+/// The smallest product of factors that is sure to be a normal number, with room.
+const SMALLEST_PRODUCT: f64 = 1e-34;
+
+/// A sighting in single precision.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen {
+    kind: Kind,
+    /// The landmark, from the origin \[m\].
+    landmark: [f32; 2],
+    /// Measured distance \[m\].
+    range: f32,
+    /// Measured direction in the robot's frame, as a unit vector.
+    direction: [f32; 2],
+    /// Sigma of the distance at the camera, and its growth per metre.
+    range_sigma: f32,
+    range_sigma_per_m: f32,
+    /// 1 / sigma of the distance at the measured one, and of the direction.
+    per_range_sigma: f32,
+    per_bearing_sigma: f32,
+    /// Density of a wrong sighting over the largest of a right one.
+    outlier: f32,
+    /// Logarithm of the largest density of a right sighting, times their share.
+    log_peak: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    RangeBearing,
+    Range,
+    Bearing,
+}
+
+impl Seen {
+    pub(super) fn new(placed: &Placed, origin: Point2<f64>, model: &SightModel) -> Self {
+        let (noise, sight) = (&model.noise, placed.sighting.sight);
+        let way = placed.landmark - origin;
+        let range = sight.range().unwrap_or(0.0);
+        let (sin, cos) = (sight.bearing().unwrap_or(0.0) + model.mounting.theta).sin_cos();
+        let log_peak = plain::peak(Some(range), placed, model);
+        let outlier = (plain::wrong(placed, model) - log_peak).exp();
+        Seen {
+            kind: match sight {
+                Sight::RangeBearing { .. } => Kind::RangeBearing,
+                Sight::Range { .. } => Kind::Range,
+                Sight::Bearing { .. } => Kind::Bearing,
+            },
+            landmark: [way.x as f32, way.y as f32],
+            range: range as f32,
+            direction: [cos as f32, sin as f32],
+            range_sigma: noise.range_sigma as f32,
+            range_sigma_per_m: noise.range_sigma_per_m as f32,
+            per_range_sigma: noise.range_sigma_at(range).recip() as f32,
+            per_bearing_sigma: noise.bearing_sigma.recip() as f32,
+            // What is rarer than this is as good as impossible in single precision.
+            outlier: if model.outlier_share > 0.0 { outlier.max(SMALLEST_PRODUCT) } else { 0.0 }
+                as f32,
+            log_peak,
+        }
+    }
+}
+
+/// Coordinates and ratings of a block of cameras.
+struct Block {
+    x: [f32; BLOCK],
+    y: [f32; BLOCK],
+    sin: [f32; BLOCK],
+    cos: [f32; BLOCK],
+    /// Sum of logarithms.
+    score: [f32; BLOCK],
+    /// Product of factors whose logarithm is still to be taken.
+    product: [f32; BLOCK],
+}
+
+pub(super) fn rate(likelihood: &LandmarkLikelihood, poses: Poses<'_>, log_weights: &mut [f64]) {
+    if !likelihood.is_empty() {
+        // Compiled for several generations of processors; the one at hand picks at run time.
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || rate_all(likelihood, poses, log_weights),
+        );
+    }
+}
+
+#[inline(always)]
+fn rate_all(likelihood: &LandmarkLikelihood, poses: Poses<'_>, log_weights: &mut [f64]) {
+    let zeros = [0.0; BLOCK];
+    let mut block =
+        Block { x: zeros, y: zeros, sin: zeros, cos: zeros, score: zeros, product: zeros };
+    let log_peak: f64 = likelihood.seen.iter().map(|seen| seen.log_peak).sum();
+    let blocks = poses.x.chunks(BLOCK).zip(poses.y.chunks(BLOCK)).zip(poses.theta.chunks(BLOCK));
+    for (((x, y), theta), weights) in blocks.zip(log_weights.chunks_mut(BLOCK)) {
+        block.place(x, y, theta, likelihood.origin, &likelihood.model.mounting);
+        block.rate(&likelihood.seen);
+        for (weight, score) in weights.iter_mut().zip(&block.score) {
+            // A pose beyond all numbers has no score; it is ruled out.
+            let score = if *score > f32::MIN { f64::from(*score) } else { f64::NEG_INFINITY };
+            *weight += log_peak + score;
+        }
+    }
+}
+
+impl Block {
+    /// Takes in robots' poses, as their cameras' places from the origin. The rest of a block that
+    /// is not full keeps what it has.
+    #[inline(always)]
+    fn place(
+        &mut self,
+        x: &[f64],
+        y: &[f64],
+        theta: &[f64],
+        origin: Point2<f64>,
+        on_robot: &Pose2,
+    ) {
+        let (forward, left) = (on_robot.x as f32, on_robot.y as f32);
+        for (to, from) in self.x.iter_mut().zip(x) {
+            *to = (from - origin.x) as f32;
+        }
+        for (to, from) in self.y.iter_mut().zip(y) {
+            *to = (from - origin.y) as f32;
+        }
+        for ((sin, cos), theta) in self.sin.iter_mut().zip(&mut self.cos).zip(theta) {
+            (*sin, *cos) = single::sin_cos(*theta as f32);
+        }
+        for k in 0..BLOCK {
+            self.x[k] += self.cos[k] * forward - self.sin[k] * left;
+            self.y[k] += self.sin[k] * forward + self.cos[k] * left;
+        }
+        self.score = [0.0; BLOCK];
+        self.product = [1.0; BLOCK];
+    }
+
+    /// Rates the block by all sightings.
+    #[inline(always)]
+    fn rate(&mut self, sightings: &[Seen]) {
+        let mut smallest = 1.0;
+        for seen in sightings {
+            if seen.outlier > 0.0 && smallest * f64::from(seen.outlier) < SMALLEST_PRODUCT {
+                self.take_logarithms();
+                smallest = 1.0;
+            }
+            smallest *= f64::from(seen.outlier);
+            match (seen.kind, seen.range_sigma_per_m > 0.0) {
+                (Kind::RangeBearing, false) => self.add::<true, true, false>(seen),
+                (Kind::RangeBearing, true) => self.add::<true, true, true>(seen),
+                (Kind::Range, false) => self.add::<true, false, false>(seen),
+                (Kind::Range, true) => self.add::<true, false, true>(seen),
+                (Kind::Bearing, _) => self.add::<false, true, false>(seen),
+            }
+        }
+        self.take_logarithms();
+    }
+
+    #[inline(always)]
+    fn take_logarithms(&mut self) {
+        for (score, product) in self.score.iter_mut().zip(&mut self.product) {
+            *score += single::ln(*product);
+            *product = 1.0;
+        }
+    }
+
+    /// Rates the block by one sighting; `GROWS` where the sigma of its distance does.
+    #[inline(always)]
+    fn add<const RANGE: bool, const BEARING: bool, const GROWS: bool>(&mut self, seen: &Seen) {
+        if seen.outlier > 0.0 {
+            for k in 0..BLOCK {
+                let (exponent, gain) = self.error::<RANGE, BEARING, GROWS>(k, seen);
+                self.product[k] *= single::exp(exponent) * gain + seen.outlier;
+            }
+        } else {
+            for k in 0..BLOCK {
+                let (exponent, gain) = self.error::<RANGE, BEARING, GROWS>(k, seen);
+                self.score[k] += if GROWS { exponent + single::ln(gain) } else { exponent };
+            }
+        }
+    }
+
+    /// Exponent of the normal densities at one particle, and how much larger their peak is there
+    /// than at the measured distance.
+    #[inline(always)]
+    fn error<const RANGE: bool, const BEARING: bool, const GROWS: bool>(
+        &self,
+        k: usize,
+        seen: &Seen,
+    ) -> (f32, f32) {
+        let (dx, dy) = (seen.landmark[0] - self.x[k], seen.landmark[1] - self.y[k]);
+        let (mut sum, mut gain) = (0.0, 1.0);
+        if RANGE {
+            let expected = (dx * dx + dy * dy).sqrt();
+            let mut per_sigma = seen.per_range_sigma;
+            if GROWS {
+                per_sigma = 1.0 / (seen.range_sigma + seen.range_sigma_per_m * expected);
+                gain = per_sigma / seen.per_range_sigma;
+            }
+            let error = (seen.range - expected) * per_sigma;
+            sum += error * error;
+        }
+        if BEARING {
+            let (forward, left) =
+                (self.cos[k] * dx + self.sin[k] * dy, self.cos[k] * dy - self.sin[k] * dx);
+            let [cos, sin] = seen.direction;
+            let along = cos * forward + sin * left;
+            let across = cos * left - sin * forward;
+            let error = single::angle(along, across) * seen.per_bearing_sigma;
+            sum += error * error;
+        }
+        (-0.5 * sum, gain)
+    }
+}

@@ -1,0 +1,206 @@
+//! Sensor resetting: poses drawn from what was just seen.
+//!
+//! A robot that was carried away finds back faster if new particles start where the sightings put
+//! it, not anywhere. Two landmarks by distance and direction fix a pose; one leaves a ring around
+//! the landmark; directions alone leave the place open and fix the heading (Lenser and Veloso
+//! 2000).
+
+use super::{LandmarkLikelihood, Placed, SightModel};
+use loc_core::{Pose2, angle};
+use loc_maps::Bounds;
+use loc_sensors::landmark_camera::Sight;
+use nalgebra::{Point2, Vector2};
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::{PI, TAU};
+
+/// How often a pose outside the region is drawn again.
+const TRIES: usize = 20;
+
+/// Draws poses from the sightings of one moment.
+///
+/// Each draw believes one sighting, or two, and blurs them by `spread` times their noise, so that a
+/// cloud of such poses is wider than what the sightings say and may be weighed by them.
+#[derive(Debug, Clone)]
+pub struct SensorResetting<'a> {
+    likelihood: &'a LandmarkLikelihood,
+    region: Bounds,
+    spread: f64,
+}
+
+impl<'a> SensorResetting<'a> {
+    /// Draws from sightings, within a region of the map.
+    pub fn new(likelihood: &'a LandmarkLikelihood, region: Bounds) -> Self {
+        SensorResetting { likelihood, region, spread: 2.0 }
+    }
+
+    /// The same with another spread, in standard deviations of the sightings.
+    #[must_use]
+    pub fn with_spread(self, spread: f64) -> Self {
+        SensorResetting { spread, ..self }
+    }
+
+    /// A pose that fits some of the sightings. Without any it is a pose anywhere in the region.
+    pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> Pose2 {
+        for _ in 0..TRIES {
+            let inside = |pose: &Pose2| self.region.contains(&pose.position());
+            if let Some(pose) = self.fit(rng).filter(inside) {
+                return pose;
+            }
+        }
+        anywhere(&self.region, rng)
+    }
+
+    fn fit<R: Rng + ?Sized>(&self, rng: &mut R) -> Option<Pose2> {
+        let (first, second) = pick(self.likelihood.placed(), rng);
+        let (first, second) = (self.blurred(first?, rng), second.map(|it| self.blurred(it, rng)));
+        let camera = match (first.sight, second) {
+            (Sight::RangeBearing { .. }, Some(second)) => two(&first, &second, rng),
+            (Sight::Range { .. }, Some(second)) => two(&first, &second, rng),
+            (Sight::RangeBearing { range, bearing }, None) => {
+                Some(on_ring(first.landmark, range, Some(bearing), rng))
+            }
+            (Sight::Range { range }, None) => Some(on_ring(first.landmark, range, None, rng)),
+            (Sight::Bearing { bearing }, _) => {
+                let place = anywhere(&self.region, rng).position();
+                let way = first.landmark - place;
+                Some(Pose2::new(place.x, place.y, way.y.atan2(way.x) - bearing))
+            }
+        };
+        Some(camera? * self.likelihood.model().mounting.inverse())
+    }
+
+    /// A sighting with an error more.
+    fn blurred<R: Rng + ?Sized>(&self, placed: &Placed, rng: &mut R) -> Blurred {
+        let SightModel { noise, .. } = self.likelihood.model();
+        let sight = placed.sighting.sight;
+        let mut draw = |sigma: f64| -> f64 {
+            let unit: f64 = StandardNormal.sample(rng);
+            self.spread * sigma * unit
+        };
+        let range = sight.range().map(|r| (r + draw(noise.range_sigma_at(r))).max(0.0));
+        let bearing = sight.bearing().map(|bearing| bearing + draw(noise.bearing_sigma));
+        let sight = match (range, bearing) {
+            (Some(range), Some(bearing)) => Sight::RangeBearing { range, bearing },
+            (Some(range), None) => Sight::Range { range },
+            (None, bearing) => Sight::Bearing { bearing: bearing.unwrap_or(0.0) },
+        };
+        Blurred { landmark: placed.landmark, sight }
+    }
+}
+
+struct Blurred {
+    landmark: Point2<f64>,
+    sight: Sight,
+}
+
+/// Two sightings of different landmarks at random, or the only one. What has a distance comes
+/// first, and alone where the other has none.
+fn pick<'p, R: Rng + ?Sized>(
+    placed: &'p [Placed],
+    rng: &mut R,
+) -> (Option<&'p Placed>, Option<&'p Placed>) {
+    if placed.is_empty() {
+        return (None, None);
+    }
+    let first = &placed[rng.random_range(0..placed.len())];
+    let differs = |other: &&Placed| other.landmark != first.landmark;
+    let others = placed.iter().filter(differs).count();
+    if others == 0 {
+        return (Some(first), None);
+    }
+    let second = placed.iter().filter(differs).nth(rng.random_range(0..others));
+    let has_range = |placed: &Placed| placed.sighting.sight.range().is_some();
+    match (has_range(first), second) {
+        (false, Some(second)) if has_range(second) => (Some(second), Some(first)),
+        _ => (Some(first), second),
+    }
+}
+
+/// A camera's pose from two sightings, the first with a distance.
+fn two<R: Rng + ?Sized>(first: &Blurred, second: &Blurred, rng: &mut R) -> Option<Pose2> {
+    let range = first.sight.range()?;
+    match (first.sight.bearing(), second.sight.range(), second.sight.bearing()) {
+        (Some(bearing), Some(other_range), Some(other_bearing)) => {
+            let seen = [(range, bearing), (other_range, other_bearing)];
+            Some(fixed([first.landmark, second.landmark], seen))
+        }
+        (bearing, Some(other_range), other_bearing) => {
+            let place = on_both(first.landmark, range, second.landmark, other_range, rng);
+            let heading = match (bearing, other_bearing) {
+                (Some(bearing), _) => towards(place, first.landmark) - bearing,
+                (None, Some(bearing)) => towards(place, second.landmark) - bearing,
+                (None, None) => PI * (2.0 * rng.random::<f64>() - 1.0),
+            };
+            Some(Pose2::new(place.x, place.y, heading))
+        }
+        (Some(bearing), None, _) => Some(on_ring(first.landmark, range, Some(bearing), rng)),
+        (None, None, other) => {
+            let place = on_ring(first.landmark, range, None, rng).position();
+            let heading = towards(place, second.landmark) - other?;
+            Some(Pose2::new(place.x, place.y, heading))
+        }
+    }
+}
+
+/// The pose from which two landmarks are seen so: their line gives the heading, their middle the
+/// place.
+fn fixed(landmarks: [Point2<f64>; 2], seen: [(f64, f64); 2]) -> Pose2 {
+    let in_camera = seen.map(|(range, bearing)| {
+        let (sin, cos) = bearing.sin_cos();
+        Vector2::new(range * cos, range * sin)
+    });
+    let (line, seen_line) = (landmarks[1] - landmarks[0], in_camera[1] - in_camera[0]);
+    let heading = angle::wrap(line.y.atan2(line.x) - seen_line.y.atan2(seen_line.x));
+    let middle = nalgebra::center(&landmarks[0], &landmarks[1]);
+    let seen_middle = 0.5 * (in_camera[0] + in_camera[1]);
+    let (sin, cos) = heading.sin_cos();
+    let turned_x = cos * seen_middle.x - sin * seen_middle.y;
+    let turned_y = sin * seen_middle.x + cos * seen_middle.y;
+    Pose2::new(middle.x - turned_x, middle.y - turned_y, heading)
+}
+
+/// A pose on the ring around a landmark; it looks anywhere where no direction was measured.
+fn on_ring<R: Rng + ?Sized>(
+    landmark: Point2<f64>,
+    range: f64,
+    bearing: Option<f64>,
+    rng: &mut R,
+) -> Pose2 {
+    let direction = TAU * rng.random::<f64>();
+    let (sin, cos) = direction.sin_cos();
+    let bearing = bearing.unwrap_or_else(|| TAU * rng.random::<f64>());
+    // The landmark lies the opposite way.
+    let heading = direction + PI - bearing;
+    Pose2::new(landmark.x + range * cos, landmark.y + range * sin, heading)
+}
+
+/// One of the two places where circles meet; where they do not, the one between them.
+fn on_both<R: Rng + ?Sized>(
+    a: Point2<f64>,
+    range_a: f64,
+    b: Point2<f64>,
+    range_b: f64,
+    rng: &mut R,
+) -> Point2<f64> {
+    let line = b - a;
+    let distance = line.norm();
+    let along = 0.5 * (distance + (range_a * range_a - range_b * range_b) / distance);
+    let across = (range_a * range_a - along * along).max(0.0).sqrt();
+    let side = if rng.random::<bool>() { across } else { -across };
+    let unit = line / distance;
+    a + along * unit + side * Vector2::new(-unit.y, unit.x)
+}
+
+fn towards(from: Point2<f64>, to: Point2<f64>) -> f64 {
+    let way = to - from;
+    way.y.atan2(way.x)
+}
+
+/// A pose anywhere in a region.
+pub(crate) fn anywhere<R: Rng + ?Sized>(region: &Bounds, rng: &mut R) -> Pose2 {
+    let [u, v, w]: [f64; 3] = [rng.random(), rng.random(), rng.random()];
+    let (min, max) = (region.min, region.max);
+    let (x, y) = (min.x + u * (max.x - min.x), min.y + v * (max.y - min.y));
+    Pose2::new(x, y, PI * (2.0 * w - 1.0))
+}
