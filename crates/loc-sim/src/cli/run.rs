@@ -39,11 +39,14 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
         return super::print(text.trim_end());
     }
     let changes = &args.output.changes;
-    let scenario = if is_file {
+    let mut scenario = if is_file {
         Scenario::read(Path::new(name), changes)?
     } else {
         Scenario::named(name, changes)?
     };
+    if let Some(threads) = global.threads {
+        scenario.filter.get_or_insert_default().mcl.threads = threads;
+    }
     let seed = args.seed.unwrap_or(scenario.seed);
     let methods = &args.output.methods;
     let mut progress = Progress::new(&scenario.name, global);
