@@ -32,6 +32,14 @@ pub enum Error {
         /// How far back the filter remembers \[s\].
         horizon: f64,
     },
+    /// A start pose that is not on the map.
+    #[error("start pose: expected one on the map, got x = {x} m, y = {y} m")]
+    OffMap {
+        /// Where it is \[m\].
+        x: f64,
+        /// Where it is \[m\].
+        y: f64,
+    },
     /// The system started no threads.
     #[error("{threads} threads: {reason}")]
     Threads {

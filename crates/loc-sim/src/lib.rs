@@ -9,6 +9,8 @@ pub mod localizer;
 pub mod metrics;
 pub mod nav2;
 pub mod output;
+pub mod perceptual;
+pub mod probability_map;
 pub mod record;
 pub mod runner;
 pub mod scenario;

@@ -9,12 +9,13 @@
 //! use loc_sim::nav2::AmclParameters;
 //! let text = "amcl:\n  ros__parameters:\n    max_particles: 800\n    scan_topic: front/scan\n";
 //! let parameters = AmclParameters::parse("amcl.yaml", text)?;
-//! assert_eq!(parameters.mcl.particles, 800);
+//! assert_eq!(parameters.mcl.particles.max_particles, 800);
 //! assert_eq!(parameters.warnings, ["amcl.yaml:4: scan_topic: a recording has one laser"]);
 //! # Ok::<(), loc_sim::Error>(())
 //! ```
 
 mod given;
+mod laser;
 mod mapping;
 mod nodes;
 mod value;
@@ -35,10 +36,6 @@ pub struct AmclParameters {
     pub start: Option<Pose2>,
     /// Standard deviations of the start pose over (x, y, theta) \[m, m, rad\], where given.
     pub start_sigmas: [Option<f64>; 3],
-    /// The shortest range to be believed \[m\], where it is not the sensor's own.
-    pub min_range: Option<f64>,
-    /// The longest range to be believed \[m\], where it is not the sensor's own.
-    pub max_range: Option<f64>,
     /// The keys that change nothing, a line each, with the reason.
     pub warnings: Vec<String>,
 }

@@ -6,7 +6,7 @@ use crate::{Error, Result};
 pub const DEFAULT: &str = "overview";
 
 /// Name and TOML text of every built-in scenario, in the order in which they are listed.
-pub const ALL: [(&str, &str); 7] = [
+pub const ALL: [(&str, &str); 11] = [
     ("overview", include_str!("../../scenarios/overview.toml")),
     ("kurt2-example", include_str!("../../scenarios/kurt2-example.toml")),
     ("circle-drive", include_str!("../../scenarios/circle-drive.toml")),
@@ -14,6 +14,10 @@ pub const ALL: [(&str, &str); 7] = [
     ("accelerated-vehicle", include_str!("../../scenarios/accelerated-vehicle.toml")),
     ("landmark-drive", include_str!("../../scenarios/landmark-drive.toml")),
     ("position-tracking", include_str!("../../scenarios/position-tracking.toml")),
+    ("global-localization", include_str!("../../scenarios/global-localization.toml")),
+    ("kidnapped-robot", include_str!("../../scenarios/kidnapped-robot.toml")),
+    ("crowded-museum", include_str!("../../scenarios/crowded-museum.toml")),
+    ("probability-map", include_str!("../../scenarios/probability-map.toml")),
 ];
 
 /// The TOML text of a built-in scenario.

@@ -194,3 +194,16 @@ fn quiet_is_quiet_and_list_lists() {
     assert_eq!(list.lines().count(), 6);
     assert!(list.contains("circle-drive "));
 }
+
+/// A scenario that runs no method writes its figure and its numbers the same way.
+#[test]
+fn an_illustration_is_written_like_a_run() {
+    let folder = TempDir::new().unwrap();
+    let arguments =
+        ["run", "probability-map", "--json", "--set", "probability_map.step_m=0.5", "--out", "o"];
+    let json = stdout(&loc_sim(folder.path(), &arguments));
+    let summary: Value = serde_json::from_str(&json).unwrap();
+    assert!(summary["error_m"].as_f64().unwrap() < 0.6);
+    let expected = ["probability.svg", "report.html", "summary.json"];
+    assert_eq!(entries(&folder.path().join("o")), expected);
+}

@@ -11,15 +11,19 @@ mod convergence;
 mod eval;
 mod evo;
 mod figures;
+#[cfg(feature = "cli")]
+mod fit_beam;
 mod layering;
 #[cfg(feature = "cli")]
 mod map;
 mod metrics;
 mod mrclam;
 mod nav2;
+mod particles;
 mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
 mod scenarios;
 mod sense;
+mod tour;
 mod wean;

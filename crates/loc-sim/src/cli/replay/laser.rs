@@ -77,8 +77,6 @@ fn parameters(file: &Path, changes: &[String]) -> Result<(MethodSettings, Replay
     let options = ReplayOptions {
         start: given.start.map_or(Start::Reference, Start::At),
         start_sigmas: [x.unwrap_or(sigmas[0]), y.unwrap_or(sigmas[1]), yaw.unwrap_or(sigmas[2])],
-        min_range: given.min_range,
-        max_range: given.max_range,
         ..ReplayOptions::default()
     };
     let seed = given.seed.unwrap_or(SEED);

@@ -98,11 +98,6 @@ pub struct ReplayOptions {
     pub map: Option<Arc<OccupancyGrid>>,
     /// Which scans are used.
     pub scans: Scans,
-    /// Shorter ranges are no measurements \[m\]; `None` for the scanner's own limit.
-    pub min_range: Option<f64>,
-    /// Where longer ranges were measured, nothing was seen \[m\]; `None` for the scanner's own
-    /// limit.
-    pub max_range: Option<f64>,
     /// Where the robot starts.
     pub start: Start,
     /// Standard deviations of the start pose over (x, y, theta) \[m, m, rad\].
@@ -133,7 +128,6 @@ impl LaserRecording {
     pub fn new(mut log: LaserLog, options: &ReplayOptions) -> Result<Self> {
         stamps::mend(&mut log);
         select::select(&mut log, options.scans)?;
-        select::limit_ranges(&mut log, options.min_range, options.max_range)?;
         if let Some(reference) = &options.reference {
             reference::put_beside(&mut log, reference)?;
         }

@@ -2,8 +2,6 @@
 
 use super::{Entry, LaserLog, What, unsuitable};
 use crate::Result;
-use loc_core::error::positive;
-use std::sync::Arc;
 
 /// Which scans of a log to use, counted from 0 over all that it holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -52,28 +50,4 @@ pub(super) fn select(log: &mut LaserLog, scans: Scans) -> Result<()> {
 pub(super) fn start_at_first_scan(log: &mut LaserLog) {
     let first = log.entries.iter().position(Entry::is_scan).unwrap_or(0);
     log.entries.drain(..first);
-}
-
-/// Ranges beyond the limits say nothing: below the least (REP-117) -inf, above the most +inf.
-pub(super) fn limit_ranges(
-    log: &mut LaserLog,
-    least: Option<f64>,
-    most: Option<f64>,
-) -> Result<()> {
-    if least.is_none() && most.is_none() {
-        return Ok(());
-    }
-    let least = positive("shortest range [m]", least.unwrap_or(f64::MIN_POSITIVE))?;
-    let most = positive("longest range [m]", most.unwrap_or(f64::MAX))?;
-    for entry in &mut log.entries {
-        let What::Scan(recorded) = &mut entry.what else { continue };
-        for range in &mut Arc::make_mut(&mut recorded.scan).ranges {
-            *range = match *range {
-                range if range < least => f64::NEG_INFINITY,
-                range if range >= most => f64::INFINITY,
-                range => range,
-            };
-        }
-    }
-    Ok(())
 }

@@ -63,8 +63,12 @@ fn seeds_and_threads() {
     let first = estimate(&[]);
     assert_eq!(first, estimate(&["--seed", "1", "--threads", "2"]));
     assert_ne!(first, estimate(&["--seed", "2"]));
-    let fewer =
-        estimate(&["--set", "filter.mcl.particles=200", "--set", "start.heading_sigma_deg=1"]);
+    let fewer = estimate(&[
+        "--set",
+        "filter.mcl.particles.max_particles=600",
+        "--set",
+        "start.heading_sigma_deg=1",
+    ]);
     assert_ne!(first, fewer);
 }
 
@@ -150,8 +154,8 @@ fn what_does_not_fit_is_refused_in_one_line() {
             "--global: expected a recording with a laser, got one of MRCLAM",
         ),
         (
-            vec!["hall.log", "--map", "hall.yaml", "--set", "filter.mcl.particles=0"],
-            "settings for lasers: particles",
+            vec!["hall.log", "--map", "hall.yaml", "--set", "filter.mcl.particles.max_particles=0"],
+            "settings for lasers: max_particles",
         ),
     ] {
         let error = failure(&folder, &arguments);

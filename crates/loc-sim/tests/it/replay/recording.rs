@@ -158,13 +158,3 @@ fn the_start_pose_is_known_or_asked_for() {
     let sigmas = ReplayOptions { start_sigmas: [0.1, -0.1, 0.0], ..Default::default() };
     assert!(refusal(&corrected(), &sigmas).contains("sigma of the start [m]"));
 }
-
-#[test]
-fn ranges_beyond_the_limits_say_nothing() {
-    let log = "FLASER 4 0.1 1 5 90 1 1 0 7 7 0 7 h 7\n";
-    let options =
-        ReplayOptions { min_range: Some(0.2), max_range: Some(5.0), ..Default::default() };
-    let events = events(open(log, &options).unwrap());
-    let Payload::Measurement(Measurement::Scan { scan, .. }) = &events[1].payload else { panic!() };
-    assert_eq!(scan.ranges, [f64::NEG_INFINITY, 1.0, f64::INFINITY, f64::INFINITY]);
-}
