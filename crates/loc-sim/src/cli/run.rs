@@ -45,7 +45,8 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
         Scenario::named(name, changes)?
     };
     if let Some(threads) = global.threads {
-        scenario.filter.get_or_insert_default().mcl.threads = threads;
+        let filter = scenario.filter.get_or_insert_default();
+        (filter.mcl.threads, filter.landmark_mcl.threads) = (threads, Some(threads));
     }
     let seed = args.seed.unwrap_or(scenario.seed);
     if let Some(illustration) = scenario.illustrate(seed)? {

@@ -1,6 +1,6 @@
 //! Replays of recordings with a laser.
 
-use super::{Format, Replay, ReplayArgs};
+use super::{Format, Replay, ReplayArgs, SEED};
 use crate::localizer::{Method, MethodSettings};
 use crate::nav2::AmclParameters;
 use crate::scenario::{RecordingConfig, StartConfig, recording};
@@ -13,9 +13,6 @@ use loc_core::Pose2;
 use loc_maps::grid::io;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Seed where nothing else says one.
-const SEED: u64 = 1;
 
 pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::Result<Replay> {
     let (settings, mut options) = configuration(args)?;

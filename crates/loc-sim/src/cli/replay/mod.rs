@@ -67,6 +67,9 @@ pub struct ReplayArgs {
     pub output: OutputArgs,
 }
 
+/// Seed where nothing else says one.
+const SEED: u64 = 1;
+
 /// A recording, ready to be run.
 struct Replay {
     source: Box<dyn Source>,
@@ -91,6 +94,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     replay.settings.global |= args.global_start;
     if let Some(threads) = global.threads {
         replay.settings.mcl.threads = threads;
+        replay.settings.landmark_mcl.threads = threads;
     }
     let methods = match args.output.methods.as_slice() {
         [] => replay.methods.as_slice(),

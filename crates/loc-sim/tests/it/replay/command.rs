@@ -150,8 +150,8 @@ fn what_does_not_fit_is_refused_in_one_line() {
         ),
         (vec!["none.log"], "none.log: "),
         (
-            vec!["hall.log", "--format", "mrclam", "--global"],
-            "--global: expected a recording with a laser, got one of MRCLAM",
+            vec!["hall.log", "--format", "mrclam", "--kidnap", "3"],
+            "--kidnap: expected a recording with a laser, got one of MRCLAM",
         ),
         (
             vec!["hall.log", "--map", "hall.yaml", "--set", "filter.mcl.particles.max_particles=0"],
