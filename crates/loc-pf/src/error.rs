@@ -18,6 +18,9 @@ pub enum Error {
         /// Rows of the map.
         height: usize,
     },
+    /// A likelihood field was not made from the map that it came with.
+    #[error("likelihood field: expected one with size, resolution and origin of the map")]
+    OtherFrame,
     /// An input belongs to a time so far back that the filter has forgotten it.
     #[error(
         "{what} at {stamp} s: expected at most {horizon} s before {newest} s, the newest input"

@@ -25,6 +25,7 @@ pub use adaptive::{Kld, KldSettings};
 pub use error::{Error, Result};
 pub use estimate::Estimate;
 pub use filter::ParticleFilter;
+pub use global::{GlobalSearch, SearchSettings};
 pub use landmark_mcl::{LandmarkMcl, LandmarkMclSettings};
 pub use mcl::{Mcl, MclSettings};
 pub use motion::{Motion, Transport};

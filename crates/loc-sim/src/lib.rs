@@ -3,6 +3,7 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 mod config;
+pub mod demonstration;
 pub mod error;
 pub mod event;
 pub mod localizer;

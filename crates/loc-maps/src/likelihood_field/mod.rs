@@ -40,6 +40,7 @@
 mod build;
 mod codes;
 mod endpoints;
+mod export;
 mod rating;
 mod readings;
 mod settings;

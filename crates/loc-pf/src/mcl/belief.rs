@@ -52,6 +52,11 @@ impl Belief {
         })
     }
 
+    /// Whether the cloud is spread over the whole map and has seen nothing yet.
+    pub(super) fn is_looking(&self) -> bool {
+        self.is_anywhere && !self.has_seen
+    }
+
     /// Moves the cloud by a step and weighs it by scans.
     pub(super) fn update(
         &mut self,
@@ -60,7 +65,7 @@ impl Belief {
         endpoints: &Endpoints,
         map: &Surroundings,
     ) -> UpdateReport {
-        let is_lost = self.is_anywhere && !self.has_seen;
+        let is_lost = self.is_looking();
         self.has_seen = true;
         let found = if is_lost { self.look_everywhere(map, scan, endpoints) } else { None };
         let (report, mut searched) = match found {

@@ -36,7 +36,8 @@ mod update;
 
 pub use observation::MountedScan;
 pub use settings::{
-    FieldSettings, MclSettings, MotionSettings, RecoverySettings, SensorSettings, Weighting,
+    FieldSettings, MclSettings, MotionSettings, NoveltyFilter, RecoverySettings, SensorSettings,
+    Weighting,
 };
 pub use state::MclState;
 pub use update::{Update, UpdateReport};

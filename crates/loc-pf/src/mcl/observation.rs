@@ -1,6 +1,7 @@
 //! Scans, made ready to rate poses.
 
-use super::MclSettings;
+use super::{MclSettings, SensorSettings};
+use crate::sensor::beam::telling_beams;
 use crate::sensor::{BeamLikelihood, FieldLikelihood, SumOfCubes};
 use crate::{Likelihood, Poses};
 use loc_core::Pose2;
@@ -36,22 +37,36 @@ impl Likelihood for Observation<'_> {
     }
 }
 
-/// Where the beams of all scans end, in the robot's frame: of each scan the valid ones within the
-/// settings' ranges, thinned after the others are dropped.
-pub(super) fn endpoints(scans: &[MountedScan<'_>], settings: &MclSettings) -> Endpoints {
-    let ends = scans.iter().flat_map(|mounted| {
-        let within = |beam: &Beam| (settings.min_range..=settings.max_range).contains(&beam.range);
-        let beams: Vec<Beam> = mounted.scan.beams().filter(within).collect();
-        let beams = thinned(beams, settings.beams);
-        beams.into_iter().map(move |beam| mounted.mounting.transform(&beam.point()))
+/// Numbers of the beams of a scan to use: valid ones within the settings' ranges for the likelihood
+/// field, also those without a return for the beam model; thinned after the others are dropped.
+pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
+    match settings.sensor {
+        SensorSettings::Beam(_) => telling_beams(scan, settings.beams),
+        SensorSettings::LikelihoodField(_) => {
+            let range = settings.min_range..=settings.max_range;
+            let beams = scan.beams().filter(|beam| range.contains(&beam.range));
+            thinned(&beams.map(|beam| beam.index).collect::<Vec<_>>(), settings.beams)
+        }
+    }
+}
+
+/// Where the chosen beams of all scans end, in the robot's frame.
+pub(super) fn endpoints(scans: &[MountedScan<'_>], beams: &[Vec<usize>]) -> Endpoints {
+    let ends = scans.iter().zip(beams).flat_map(|(mounted, beams)| {
+        let returned = beams.iter().map(|&index| (index, mounted.scan.ranges[index]));
+        let returned = returned.filter(|(_, range)| mounted.scan.is_valid(*range));
+        returned.map(|(index, range)| {
+            let beam = Beam { index, angle: mounted.scan.angle(index), range };
+            mounted.mounting.transform(&beam.point())
+        })
     });
     ends.map(|Point2 { coords }| [coords.x, coords.y]).collect()
 }
 
 /// At most `count` of the beams, evenly spread; the first and the last are among them.
-fn thinned(beams: Vec<Beam>, count: usize) -> Vec<Beam> {
+fn thinned(beams: &[usize], count: usize) -> Vec<usize> {
     if beams.len() <= count {
-        return beams;
+        return beams.to_vec();
     }
     let (gaps, last) = (count.saturating_sub(1).max(1), beams.len() - 1);
     (0..count).map(|k| beams[(k * last + gaps / 2) / gaps]).collect()

@@ -38,7 +38,7 @@ impl Belief {
         scan: &impl Likelihood,
         endpoints: &Endpoints,
     ) -> Option<Elsewhere> {
-        let places = map.search.as_ref()?.search(endpoints);
+        let places = map.search.as_ref()?.search(endpoints).ok()?;
         if places.is_empty() {
             return None;
         }

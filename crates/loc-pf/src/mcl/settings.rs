@@ -2,6 +2,7 @@
 
 use crate::estimate::ClusterSettings;
 use crate::motion::{OmnidirectionalNoise, PathNoise};
+use crate::novelty::{DistanceFilter, EntropyFilter};
 use crate::recovery::{AugmentedSettings, SuspicionSettings};
 use crate::sensor::{BeamModelSettings, BeamSkip};
 use crate::tempering::TemperingSettings;
@@ -30,6 +31,8 @@ pub struct MclSettings {
     pub min_range: f64,
     /// Beams longer than this are not used by the likelihood field \[m\] (`laser_max_range`).
     pub max_range: f64,
+    /// Drops beams that people or new furniture cut short (K3); `None` for none.
+    pub novelty: Option<NoveltyFilter>,
     /// How narrow likelihoods are taken in; `None` for the plain filter, which weighs once.
     pub tempering: Option<TemperingSettings>,
     /// No update before the robot has driven this far \[m\] (`update_min_d`) ..
@@ -70,6 +73,17 @@ pub enum SensorSettings {
     LikelihoodField(FieldSettings),
     /// By the range that each beam should have (M6).
     Beam(BeamModelSettings),
+}
+
+/// A filter against what is on no map (K3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum NoveltyFilter {
+    /// Drops beams that are surely shorter than the map says.
+    Distance(DistanceFilter),
+    /// Drops beams that make the belief less certain.
+    Entropy(EntropyFilter),
 }
 
 /// Settings of the likelihood field model.
@@ -165,6 +179,7 @@ impl Default for MclSettings {
             independent_beams: 20.0,
             min_range: 0.0,
             max_range: 100.0,
+            novelty: None,
             tempering: Some(TemperingSettings::default()),
             update_distance: 0.1,
             update_turn: 0.1,
@@ -208,6 +223,11 @@ impl MclSettings {
         positive("max_range [m]", self.max_range)?;
         non_negative("update_distance [m]", self.update_distance)?;
         non_negative("update_turn [rad]", self.update_turn)?;
+        match &self.novelty {
+            Some(NoveltyFilter::Distance(filter)) => filter.validate()?,
+            Some(NoveltyFilter::Entropy(filter)) => filter.validate()?,
+            None => {}
+        }
         self.tempering.iter().try_for_each(TemperingSettings::validate)?;
         self.recovery.suspicion.iter().try_for_each(SuspicionSettings::validate)?;
         self.recovery.augmented.iter().try_for_each(AugmentedSettings::validate)?;

@@ -1,10 +1,10 @@
 //! The update: sample the motion, weigh, resample (M1).
 
-use super::observation::{MountedScan, endpoints};
+use super::observation::{MountedScan, endpoints, select};
 use super::step::Step;
 use super::{FieldSettings, Mcl, SensorSettings};
-use crate::Result;
 use crate::motion::DrivenPath;
+use crate::{Particles, Result, Transport};
 use loc_core::Pose2;
 use loc_core::error::finite;
 use loc_maps::likelihood_field::Endpoints;
@@ -82,22 +82,48 @@ impl Mcl {
         let path = self.path.unwrap_or(DrivenPath::starting_at(Pose2::IDENTITY));
         let step = Step::new(&path, &self.settings.motion)?;
         self.path = Some(DrivenPath::starting_at(path.end()));
-        let endpoints = self.kept(endpoints(scans, &self.settings));
-        let scan = self.surroundings.observe(scans, &endpoints, &self.settings)?;
+        let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
+        let beams = self.familiar(&step, scans, beams)?;
+        let endpoints = self.agreeing(&step, endpoints(scans, &beams));
+        let scan = self.surroundings.observe(scans, &beams, &endpoints, &self.settings)?;
         let report = self.belief.update(&step, &scan, &endpoints, &self.surroundings);
         self.estimate = self.clusterer.estimate(self.belief.filter.particles());
         Ok(report)
     }
 
-    /// The beams' ends without those that the settings let be skipped.
-    fn kept(&self, endpoints: Endpoints) -> Endpoints {
-        let SensorSettings::LikelihoodField(FieldSettings { beam_skip: Some(skip), .. }) =
-            self.settings.sensor
-        else {
-            return endpoints;
-        };
-        let poses = self.belief.filter.particles().poses();
-        skip.apply(&self.surroundings.field, poses, &endpoints)
+    /// The beams without those that a filter against people drops.
+    fn familiar(
+        &self,
+        step: &Step,
+        scans: &[MountedScan<'_>],
+        beams: Vec<Vec<usize>>,
+    ) -> Result<Vec<Vec<usize>>> {
+        match &self.settings.novelty {
+            Some(filter) if !self.belief.is_looking() => {
+                self.surroundings.familiar(scans, beams, &self.predicted(step), filter)
+            }
+            _ => Ok(beams),
+        }
+    }
+
+    /// The ends of beams without those that the settings let be skipped.
+    fn agreeing(&self, step: &Step, endpoints: Endpoints) -> Endpoints {
+        match self.settings.sensor {
+            SensorSettings::LikelihoodField(FieldSettings { beam_skip: Some(skip), .. }) => {
+                skip.apply(&self.surroundings.field, self.predicted(step).poses(), &endpoints)
+            }
+            _ => endpoints,
+        }
+    }
+
+    /// The cloud after the step, without its noise.
+    fn predicted(&self, step: &Step) -> Particles {
+        let cloud = self.belief.filter.particles();
+        let mut predicted = Particles::new();
+        for (pose, weight) in cloud.poses().iter().zip(cloud.log_weights()) {
+            predicted.push(step.moved(pose, [0.0; 4]), *weight);
+        }
+        predicted
     }
 }
 

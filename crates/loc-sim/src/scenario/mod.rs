@@ -20,6 +20,7 @@ pub use filter::FilterConfig;
 pub use landmark_mcl::LandmarkMclConfig;
 pub use recording::{RecordingConfig, StartConfig};
 
+use crate::demonstration::DemonstrationConfig;
 use crate::localizer::{Method, MethodSettings};
 use crate::output::Illustration;
 use crate::probability_map::{ProbabilityMap, ProbabilityMapConfig};
@@ -57,6 +58,8 @@ pub struct Scenario {
     pub tour: Option<TourConfig>,
     /// A scan that is rated everywhere; no method runs on it.
     pub probability_map: Option<ProbabilityMapConfig>,
+    /// What a method does inside; no method runs on it.
+    pub demonstration: Option<DemonstrationConfig>,
     /// Settings of the methods; what is left out follows the simulated sensors.
     pub filter: Option<FilterConfig>,
     /// The name of a left-handed frame in which final poses are printed as well: `kurt2`.
@@ -69,6 +72,7 @@ enum Kind<'a> {
     Rail(&'a RailConfig),
     Tour(&'a TourConfig),
     ProbabilityMap(&'a ProbabilityMapConfig),
+    Demonstration(&'a DemonstrationConfig),
 }
 
 impl Scenario {
@@ -118,6 +122,7 @@ impl Scenario {
             Kind::Rail(rail) => rail.check()?,
             Kind::Tour(tour) => tour.check()?,
             Kind::ProbabilityMap(map) => map.check()?,
+            Kind::Demonstration(demonstration) => demonstration.check()?,
         }
         self.settings().map(|_| ())
     }
@@ -129,13 +134,18 @@ impl Scenario {
             self.rail.as_ref().map(Kind::Rail),
             self.tour.as_ref().map(Kind::Tour),
             self.probability_map.as_ref().map(Kind::ProbabilityMap),
+            self.demonstration.as_ref().map(Kind::Demonstration),
         ];
         let mut given = kinds.into_iter().flatten();
         match (given.next(), given.next()) {
             (Some(kind), None) => Ok(kind),
             (first, _) => {
                 let found = if first.is_some() { "several" } else { "none" };
-                Err(config::field("drive, rail, tour, probability_map", "one of them", found))
+                Err(config::field(
+                    "drive, rail, tour, probability_map, demonstration",
+                    "one of them",
+                    found,
+                ))
             }
         }
     }
@@ -157,11 +167,13 @@ impl Scenario {
             Kind::Drive(drive) => Box::new(SimulatedDrive::new(&self.name, drive, seed)?),
             Kind::Rail(rail) => Box::new(SimulatedRail::new(&self.name, rail, seed)?),
             Kind::Tour(tour) => Box::new(SimulatedTour::new(&self.name, tour, seed)?),
-            Kind::ProbabilityMap(_) => {
-                let expected = "a scenario with a robot that moves";
-                return Err(config::field(&self.name, expected, "probability_map"));
-            }
+            Kind::ProbabilityMap(_) => return Err(self.unmoved("probability_map")),
+            Kind::Demonstration(_) => return Err(self.unmoved("demonstration")),
         })
+    }
+
+    fn unmoved(&self, found: &str) -> Error {
+        config::field(&self.name, "a scenario with a robot that moves", found)
     }
 
     /// What the methods are told.
@@ -171,7 +183,9 @@ impl Scenario {
     pub fn settings(&self) -> Result<MethodSettings> {
         let sensors = match self.kind()? {
             Kind::Drive(drive) => drive.settings()?,
-            Kind::Rail(_) | Kind::ProbabilityMap(_) => LandmarkSettings::default(),
+            Kind::Rail(_) | Kind::ProbabilityMap(_) | Kind::Demonstration(_) => {
+                LandmarkSettings::default()
+            }
             Kind::Tour(tour) => {
                 LandmarkSettings { motion_noise: tour.wheel_noise()?, ..Default::default() }
             }
@@ -193,6 +207,9 @@ impl Scenario {
         Ok(match self.kind()? {
             Kind::ProbabilityMap(config) => {
                 Some(ProbabilityMap::new(config, seed)?.illustrate(&self.title, config))
+            }
+            Kind::Demonstration(demonstration) => {
+                Some(demonstration.illustrate(&self.title, seed)?)
             }
             Kind::Drive(_) | Kind::Rail(_) | Kind::Tour(_) => None,
         })

@@ -13,6 +13,9 @@ const MARKS: usize = 24;
 /// Longest half axis of an ellipse that is drawn beside other methods, as a share of the extent.
 const LARGEST_ELLIPSE: f64 = 0.2;
 
+/// An estimate that moves farther at once does not follow a robot \[m\].
+const JUMP: f64 = 1.0;
+
 /// About how many measured landmark positions are drawn.
 const STARS: usize = 400;
 
@@ -34,8 +37,7 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
         scene = scene.stars(Role::Measurement, "landmark as measured", seen);
     }
     for (k, record) in run.methods.iter().enumerate() {
-        let path = record.estimates.iter().map(|e| (e.pose.x, e.pose.y));
-        scene = scene.path(line(run, k), record.method.name(), path);
+        scene = scene.path(line(run, k), record.method.name(), estimated_path(record));
         let arrows = record.method != Method::DeadReckoning && record.snapshots.is_empty();
         if arrows || run.methods.len() == 1 {
             scene = scene.poses(Role::Method(k), "", marked(&record.estimates).map(|e| e.pose));
@@ -72,6 +74,19 @@ fn line(run: &Run, k: usize) -> Style {
         Method::DeadReckoning => Role::Method(k).dotted(),
         _ => Role::Method(k).dashed().width(2.2),
     }
+}
+
+/// The estimated path, broken where a method of particles changes its mind: nobody drove there.
+fn estimated_path(record: &MethodRecord) -> Vec<(f64, f64)> {
+    let mut path = Vec::with_capacity(record.estimates.len());
+    let mut last: Option<Pose2> = None;
+    for Estimate { pose, .. } in &record.estimates {
+        let jumped = last.is_some_and(|last| last.distance(*pose) > JUMP);
+        path.extend((jumped && !record.snapshots.is_empty()).then_some((f64::NAN, f64::NAN)));
+        path.push((pose.x, pose.y));
+        last = Some(*pose);
+    }
+    path
 }
 
 /// The true path, broken where the robot was carried.

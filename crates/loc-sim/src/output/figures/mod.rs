@@ -19,7 +19,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 8] = [
+pub const NAMES: [&str; 10] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -28,6 +28,8 @@ pub const NAMES: [&str; 8] = [
     "density.svg",
     "accuracy.svg",
     "probability.svg",
+    "stages.svg",
+    "diversity.svg",
 ];
 
 /// The figures that suit a run.
