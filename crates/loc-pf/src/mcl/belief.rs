@@ -121,10 +121,11 @@ impl Belief {
         map: &Surroundings,
     ) -> bool {
         let Some(mut suspicion) = self.suspicion else { return false };
-        suspicion.update(log_evidence, self.independent_beams.min(endpoints.len() as f64));
+        let beams = self.independent_beams.min(endpoints.len() as f64);
+        suspicion.update(log_evidence, beams);
         let alarmed = suspicion.is_alarmed();
         if alarmed && let Some(found) = self.look_everywhere(map, scan, endpoints) {
-            let probability = suspicion.judge(found.log_evidence, log_evidence);
+            let probability = suspicion.judge(found.log_evidence, log_evidence, beams);
             if suspicion.is_alarmed() {
                 self.mix_in(&found.cloud, probability);
                 suspicion.clear();

@@ -70,6 +70,8 @@ pub struct Suspicion {
     settings: SuspicionSettings,
     usual: f64,
     least: f64,
+    /// How far below the usual evidence that of a new place may be, in nats a beam.
+    tolerance: f64,
     /// ln(number of places in the map).
     log_places: f64,
     /// ln(P(elsewhere) / P(here)).
@@ -91,8 +93,16 @@ impl Suspicion {
         positive("free area [m^2]", area)?;
         let places = (area * std::f64::consts::TAU / settings.place).max(1.0);
         let UsualEvidence { expected, least } = usual;
-        let (log_places, usual, log_odds) = (places.ln(), expected, -SUREST);
-        Ok(Suspicion { settings, usual, least, log_places, log_odds, pause: 1, waiting: 0 })
+        Ok(Suspicion {
+            settings,
+            usual: expected,
+            least,
+            tolerance: 0.6 * (expected - least),
+            log_places: places.ln(),
+            log_odds: -SUREST,
+            pause: 1,
+            waiting: 0,
+        })
     }
 
     /// Takes in a scan: `log_evidence` is the logarithm of its mean likelihood over the predicted
@@ -123,14 +133,19 @@ impl Suspicion {
     }
 
     /// A search rated the places of the map: `log_evidence_elsewhere` is the logarithm of the mean
-    /// likelihood of the scan over the whole map, `log_evidence` that over the cloud. Returns the
-    /// probability of being elsewhere by this; what was only expected before counts no more.
+    /// likelihood of the scan over the whole map, `log_evidence` that over the cloud, both of
+    /// `beams` independent beams. Returns the probability of being elsewhere by this; what was only
+    /// expected before counts no more.
     ///
-    /// A search that finds nothing better makes the next one wait, longer from time to time.
-    pub fn judge(&mut self, log_evidence_elsewhere: f64, log_evidence: f64) -> f64 {
+    /// A scan that fits its best place clearly worse than scans usually do is one of a crowd, or of
+    /// something else that is not on the map: it proves nothing. A search that finds nothing better
+    /// makes the next one wait, longer from time to time.
+    pub fn judge(&mut self, log_evidence_elsewhere: f64, log_evidence: f64, beams: f64) -> f64 {
         let prior = self.settings.rate;
         let odds = (prior / (1.0 - prior)).ln() + log_evidence_elsewhere - log_evidence;
-        self.log_odds = if odds.is_nan() { -SUREST } else { odds.clamp(-SUREST, SUREST) };
+        let at_its_best = (log_evidence_elsewhere + self.log_places) / beams;
+        let fits = at_its_best >= self.usual.max(self.least) - self.tolerance;
+        self.log_odds = if fits && !odds.is_nan() { odds.clamp(-SUREST, SUREST) } else { -SUREST };
         let probability = self.probability();
         if probability < self.settings.alarm {
             self.waiting = self.pause;

@@ -7,6 +7,7 @@ fn fnv1a(words: impl Iterator<Item = u64>) -> u64 {
 }
 
 mod adaptive;
+mod bad_input;
 mod beam;
 mod clusters;
 mod landmark;
@@ -19,4 +20,6 @@ mod novelty;
 mod perceptual;
 mod policy;
 mod resample;
+mod robot;
 mod sensor_resetting;
+mod what_users_miss;
