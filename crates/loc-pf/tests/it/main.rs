@@ -1,9 +1,11 @@
 //! Tests of loc-pf, one module per topic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
-mod clusters;
-mod moments;
 mod beam;
+mod clusters;
 mod landmark;
 mod landmark_mcl;
+mod lost;
+mod moments;
+mod robot;
 mod sensor_resetting;

@@ -54,7 +54,7 @@ impl Robot {
     }
 
     fn distance(&self, pose: Pose2) -> f64 {
-        self.clearance.at(&pose.position()).unwrap_or(0.0)
+        self.clearance.distance_at(&pose.position()).unwrap_or(0.0)
     }
 
     /// Puts the robot at a random clear place; its odometry learns nothing of that.
