@@ -57,6 +57,11 @@ impl ParticleFilter {
     }
 
     /// The generator that the filter draws from.
+    pub fn rng(&self) -> &ChaCha8Rng {
+        &self.rng
+    }
+
+    /// The generator that the filter draws from, to draw from it as well.
     pub fn rng_mut(&mut self) -> &mut ChaCha8Rng {
         &mut self.rng
     }
@@ -79,20 +84,28 @@ impl ParticleFilter {
     /// Draws `count` particles in proportion to their weights (M8, M9), which are equal afterwards.
     pub fn resample(&mut self, scheme: Resampling, count: usize) {
         self.wheel.set(self.particles.log_weights());
-        self.draw(scheme, count);
+        scheme.spin(&self.wheel, count, &mut self.rng, &mut self.indices);
+        self.copy_drawn();
     }
 
     /// The same with as many particles as the spread of the cloud asks for; says how many.
     pub fn resample_adaptively(&mut self, scheme: Resampling, kld: &mut Kld) -> usize {
         self.wheel.set(self.particles.log_weights());
-        let count = kld.count(&self.wheel, self.particles.poses(), &mut self.rng);
-        self.draw(scheme, count);
+        let poses = self.particles.poses();
+        kld.draw(scheme, &self.wheel, poses, &mut self.rng, &mut self.indices);
+        self.copy_drawn();
         self.particles.len()
     }
 
-    /// Draws from the wheel of the present particles; without any, none.
-    fn draw(&mut self, scheme: Resampling, count: usize) {
-        scheme.spin(&self.wheel, count, &mut self.rng, &mut self.indices);
+    /// How many particles the spread of the cloud asks for.
+    pub fn count_needed(&mut self, kld: &mut Kld) -> usize {
+        self.wheel.set(self.particles.log_weights());
+        let (poses, scheme) = (self.particles.poses(), Resampling::Systematic);
+        kld.draw(scheme, &self.wheel, poses, &mut self.rng, &mut self.indices);
+        self.indices.len()
+    }
+
+    fn copy_drawn(&mut self) {
         std::mem::swap(&mut self.particles, &mut self.spare);
         self.particles.copy_selected(&self.spare, &self.indices);
     }

@@ -14,6 +14,7 @@
 //! assert!((cloud.effective_sample_size() - 1.0).abs() < 1e-9);
 //! ```
 
+use crate::log_weights;
 use loc_core::{Gaussian, Pose2};
 use rand::Rng;
 
@@ -60,6 +61,14 @@ impl<'a> Poses<'a> {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.x.is_empty()
+    }
+
+    /// One pose.
+    ///
+    /// # Panics
+    /// Where there is no pose `index`.
+    pub fn at(&self, index: usize) -> Pose2 {
+        Pose2 { x: self.x[index], y: self.y[index], theta: self.theta[index] }
     }
 
     /// The poses one by one.
@@ -145,6 +154,43 @@ impl Particles {
         (self.x[index], self.y[index], self.theta[index]) = (pose.x, pose.y, pose.theta);
     }
 
+    /// Puts `strangers` in the places of particles spread evenly over the cloud, which get the mean
+    /// weight; at most all of them.
+    pub fn replace_evenly(&mut self, strangers: &[Pose2]) {
+        let equal = -(self.len() as f64).ln();
+        let count = strangers.len().min(self.len());
+        for (number, stranger) in strangers.iter().take(count).enumerate() {
+            let index = number * self.len() / count;
+            self.set_pose(index, *stranger);
+            self.log_weight[index] = equal;
+        }
+        if count > 0 {
+            self.normalize();
+        }
+    }
+
+    /// Checks that there are as many weights as poses, poses are finite and weights no NaN: what
+    /// came from a file may be anything.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::Length`] and [`loc_core::Error::OutOfRange`].
+    pub fn check(&self) -> crate::Result<()> {
+        use loc_core::error::{finite, in_range};
+        let found = self.log_weight.len();
+        if [self.x.len(), self.y.len(), self.theta.len()] != [found; 3] {
+            let (what, expected) = ("weights of particles", "as many as poses");
+            return Err(loc_core::Error::Length { what, expected, found }.into());
+        }
+        for (pose, weight) in self.poses().iter().zip(&self.log_weight) {
+            finite("x of a particle [m]", pose.x)?;
+            finite("y of a particle [m]", pose.y)?;
+            finite("heading of a particle [rad]", pose.theta)?;
+            let allowed = |weight: f64| weight < f64::INFINITY;
+            in_range("log weight of a particle", "a number or -inf", *weight, allowed)?;
+        }
+        Ok(())
+    }
+
     /// Logarithms of the weights.
     pub fn log_weights(&self) -> &[f64] {
         &self.log_weight
@@ -173,6 +219,13 @@ impl Particles {
         self.log_weight.iter().map(|weight| weight.exp())
     }
 
+    /// Fills `relative` with all weights in units of the largest, faster than one by one from
+    /// [`weights`](Particles::weights) and without underflow; NaN counts as 0. Where none is above
+    /// 0 they count as equal.
+    pub fn relative_weights(&self, relative: &mut Vec<f64>) {
+        log_weights::relative(&self.log_weight, relative);
+    }
+
     /// Gives every particle the weight 1 / M.
     pub fn set_equal_weights(&mut self) {
         let equal = -(self.len() as f64).ln();
@@ -182,27 +235,19 @@ impl Particles {
     /// Makes the weights add up to 1 and returns the logarithm of what they added up to before:
     /// after [`weigh`](crate::ParticleFilter::weigh), the logarithm of the mean likelihood.
     ///
-    /// Weights that are all 0, or not numbers, say nothing about the particles: they become equal,
-    /// and the answer is -inf.
+    /// Weights that are all 0, or infinite, say nothing about the particles: they become equal, and
+    /// the answer is -inf. A single weight that is not a number becomes 0.
     pub fn normalize(&mut self) -> f64 {
-        let largest = self.log_weight.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if !largest.is_finite() {
+        log_weights::normalize(&mut self.log_weight).unwrap_or_else(|| {
             self.set_equal_weights();
-            return f64::NEG_INFINITY;
-        }
-        let sum: f64 = self.log_weight.iter().map(|weight| (weight - largest).exp()).sum();
-        let total = largest + sum.ln();
-        for weight in &mut self.log_weight {
-            *weight -= total;
-        }
-        total
+            f64::NEG_INFINITY
+        })
     }
 
-    /// How many particles of equal weight would carry as much information: `1 / sum w^2` of
-    /// normalised weights, between 1 and M.
+    /// How many particles of equal weight would carry as much information:
+    /// `(sum w)^2 / sum w^2`, between 1 and M; 0 where no weight is above 0.
     pub fn effective_sample_size(&self) -> f64 {
-        let squares: f64 = self.log_weight.iter().map(|weight| (2.0 * weight).exp()).sum();
-        if squares > 0.0 { 1.0 / squares } else { 0.0 }
+        log_weights::effective_sample_size(&self.log_weight)
     }
 
     /// Becomes the particles of `other` at `indices`, with equal weights.

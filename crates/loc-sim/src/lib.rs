@@ -3,11 +3,14 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 mod config;
+pub mod demonstration;
 pub mod error;
 pub mod event;
 pub mod localizer;
 pub mod metrics;
 pub mod output;
+pub mod perceptual;
+pub mod probability_map;
 pub mod record;
 pub mod runner;
 pub mod scenario;

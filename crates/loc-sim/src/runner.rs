@@ -3,7 +3,7 @@
 use crate::event::{Event, Measurement, Payload, Truth};
 use crate::localizer::{Localizer, Method, MethodSettings};
 use crate::record::{MethodRecord, Run, Snapshots};
-use crate::source::Source;
+use crate::source::{Setup, Source};
 use crate::{Error, Result};
 use loc_core::Stamped;
 use std::time::Instant;
@@ -31,7 +31,7 @@ pub fn run(
     let setup = source.setup().clone();
     let mut runners = Vec::with_capacity(methods.len());
     for &method in methods {
-        runners.push(Runner::new(method, method.start(&setup, settings)?, setup.start));
+        runners.push(Runner::new(method, &setup, settings)?);
     }
     let samples_at = if source.has_truth() { is_truth } else { is_scan };
     let (mut stamps, mut truth): (Vec<f64>, Vec<Stamped<Truth>>) = Default::default();
@@ -72,18 +72,19 @@ struct Runner {
 }
 
 impl Runner {
-    fn new(method: Method, localizer: Box<dyn Localizer>, start: f64) -> Self {
+    fn new(method: Method, setup: &Setup, settings: &MethodSettings) -> Result<Self> {
+        let localizer = method.start(setup, settings)?;
         let record = MethodRecord {
             method,
             estimates: Vec::new(),
             judgements: Vec::new(),
-            snapshots: Snapshots::default(),
+            snapshots: Snapshots::new(setup.kidnapped_at),
             updates: 0,
             runtime: 0.0,
         };
         let mut runner = Runner { localizer, record };
-        runner.keep_cloud(start);
-        runner
+        runner.keep_cloud(setup.start);
+        Ok(runner)
     }
 
     /// Keeps the method's particles for figures; this does not count as its time.

@@ -2,7 +2,7 @@ use loc_core::Pose2;
 use loc_core::random::stream;
 use loc_maps::grid::{Cell, GridFrame, Occupancy, OccupancyGrid};
 use loc_maps::likelihood_field::{
-    Endpoints, LikelihoodField, LikelihoodFieldSettings, UnknownSpace,
+    Endpoints, LikelihoodField, LikelihoodFieldSettings, Obstacles, OffMap, UnknownSpace,
 };
 use loc_maps::{DistanceMap, likelihood_field};
 use nalgebra::Point2;
@@ -100,8 +100,122 @@ fn bad_settings_are_refused() {
         LikelihoodFieldSettings { max_range: f64::INFINITY, ..good },
         LikelihoodFieldSettings { max_distance: f64::NAN, ..good },
         LikelihoodFieldSettings { unknown_space: UnknownSpace::Likelihood(0.0), ..good },
+        LikelihoodFieldSettings { off_map: OffMap::Likelihood(f64::NAN), ..good },
     ];
     for settings in bad {
         assert!(likelihood_field::LikelihoodField::new(&grid(0.0), &settings).is_err());
+    }
+}
+
+/// Poses about the grid, among them some that are nowhere.
+fn poses(count: usize) -> [Vec<f64>; 3] {
+    let mut rng = stream(8, "field");
+    let mut draw = |low, high| (0..count).map(|_| rng.random_range(low..high)).collect();
+    let mut poses: [Vec<f64>; 3] = [draw(2.0, 8.0), draw(-4.0, 2.0), draw(-7.0, 7.0)];
+    (poses[0][0], poses[1][1], poses[2][2], poses[0][3]) = (f64::NAN, 1e9, f64::INFINITY, -90.0);
+    poses
+}
+
+fn scan(beams: usize) -> Endpoints {
+    let mut rng = stream(9, "field");
+    (0..beams).map(|_| [rng.random_range(-2.0..2.0), rng.random_range(-2.0..2.0)]).collect()
+}
+
+#[test]
+fn many_poses_are_rated_as_one_by_one() {
+    let field = LikelihoodField::new(&grid(0.7), &LikelihoodFieldSettings::default()).unwrap();
+    let [x, y, theta] = poses(200);
+    for (beams, count) in [(0, 200), (61, 200), (600, 130), (60, 64), (60, 0)] {
+        let scan = scan(beams);
+        let mut out = vec![7.0; 200];
+        field.log_likelihoods([&x, &y[..count], &theta], &scan, &mut out);
+        for k in 0..200 {
+            let pose = Pose2 { x: x[k], y: y[k], theta: theta[k] };
+            let expected = if k < count { field.log_likelihood(pose, &scan) } else { 7.0 };
+            assert!(out[k].to_bits() == expected.to_bits() && out[k].is_finite());
+        }
+    }
+}
+
+#[test]
+fn sums_and_hits_are_those_of_single_beams() {
+    let settings = LikelihoodFieldSettings::default();
+    let field = LikelihoodField::new(&grid(0.7), &settings).unwrap();
+    let ([x, y, theta], scan) = (poses(100), scan(75));
+    let cubes = field.table(|log_likelihood| (3.0 * log_likelihood).exp());
+    let mut sums = vec![0.0; 100];
+    field.sums(&cubes, [&x, &y, &theta], &scan, &mut sums);
+    let hits = field.hits(0.2, [&x, &y, &theta], &scan);
+    let (mut counts, least) = (vec![0; 75], settings.likelihood(0.2).ln());
+    for k in 0..100 {
+        let pose = Pose2 { x: x[k], y: y[k], theta: theta[k] };
+        let mut sum = 0.0;
+        for (beam, count) in counts.iter_mut().enumerate() {
+            let mut only = [false; 75];
+            only[beam] = true;
+            let log_likelihood = field.log_likelihood(pose, &scan.selected(&only));
+            sum += (3.0 * log_likelihood).exp();
+            *count += u32::from(log_likelihood >= least - half_step(&settings));
+        }
+        assert!((sums[k] - sum).abs() < 1e-12 * sum, "{} {sum}", sums[k]);
+    }
+    assert_eq!(hits, counts);
+    assert!(hits.iter().sum::<u32>() > 100);
+}
+
+/// Cells of a side that single precision could not tell apart are told apart.
+#[test]
+fn a_long_map_is_read_exactly() {
+    let frame = GridFrame::new(300_000, 3, 0.05, Pose2::new(0.0, 1.0, 0.3)).unwrap();
+    let mut grid = OccupancyGrid::filled(frame, 0);
+    grid.set(Cell::new(299_990, 1), 100).unwrap();
+    let settings = LikelihoodFieldSettings { max_distance: 0.5, ..Default::default() };
+    let field = LikelihoodField::new(&grid, &settings).unwrap();
+    let scan: Endpoints = [[1.0, 0.0], [9.0, 0.0]].into_iter().collect();
+    let far = settings.likelihood(0.5).ln();
+    for cells in 0..8 {
+        let at = frame.to_map(299_990.5 - 20.0 + f64::from(cells), 1.5);
+        let found = field.log_likelihood(Pose2::new(at.x, at.y, 0.3), &scan);
+        let expected = settings.likelihood(0.05 * f64::from(cells)).ln() + far;
+        let loss = (found - expected).abs();
+        assert!(loss < 0.014, "{cells} cells: {found} {expected}");
+    }
+}
+
+#[test]
+fn off_the_map_has_a_likelihood_of_its_own() {
+    let off_map = OffMap::Likelihood(1.0 / 30.0);
+    let settings = LikelihoodFieldSettings { off_map, ..Default::default() };
+    let field = LikelihoodField::new(&grid(0.2), &settings).unwrap();
+    let found = field.log_likelihood_at(&Point2::new(0.0, 0.0));
+    assert!((found - (1.0_f64 / 30.0).ln()).abs() < 1e-9, "{found}");
+}
+
+/// A block of 11 x 11 cells: its middle is far from all surfaces, which are where they were.
+#[test]
+fn no_beam_ends_inside_a_thick_wall() {
+    let frame = GridFrame::new(40, 40, 0.1, Pose2::IDENTITY).unwrap();
+    let mut grid = OccupancyGrid::filled(frame, 0);
+    for cell in frame.cells().filter(|cell| cell.row.abs_diff(15).max(cell.column.abs_diff(15)) < 6)
+    {
+        grid.set(cell, 100).unwrap();
+    }
+    let settings = LikelihoodFieldSettings::default();
+    let thick = LikelihoodField::new(&grid, &settings).unwrap();
+    let surfaces = LikelihoodFieldSettings { obstacles: Obstacles::Surfaces, ..settings };
+    let surfaces = LikelihoodField::new(&grid, &surfaces).unwrap();
+    for cell in frame.cells() {
+        let at = frame.center(cell);
+        let (thick, surface) = (thick.log_likelihood_at(&at), surfaces.log_likelihood_at(&at));
+        let depth = 6_usize.saturating_sub(cell.row.abs_diff(15).max(cell.column.abs_diff(15)));
+        let loss = match depth {
+            0 | 1 => (thick - surface).abs(),
+            _ => {
+                let expected = settings.likelihood(0.1 * (depth - 1) as f64).ln();
+                assert!(thick > surface);
+                (surface - expected).abs()
+            }
+        };
+        assert!(loss <= 1.01 * half_step(&settings), "{cell:?}: {thick} {surface}");
     }
 }

@@ -1,5 +1,6 @@
 //! The set of bins that hold particles.
 
+use crate::elementary::ROUND;
 use loc_core::Pose2;
 use std::f64::consts::TAU;
 
@@ -9,7 +10,7 @@ pub(super) struct Bins {
     /// Bins per metre, and bins in a full turn over 2 pi.
     per_unit: [f64; 2],
     /// Bins in a full turn.
-    headings: i64,
+    headings: i32,
     /// Stamp and key of each slot, a power of two of them; a slot is taken if its stamp is the
     /// present one.
     slots: Vec<(u32, u64)>,
@@ -23,7 +24,7 @@ impl Bins {
         let headings = (TAU / heading - 1e-9).ceil().max(1.0);
         Bins {
             per_unit: [1.0 / position, headings / TAU],
-            headings: headings as i64,
+            headings: headings as i32,
             slots: vec![(0, 0); 256],
             stamp: 1,
             taken: 0,
@@ -56,14 +57,16 @@ impl Bins {
         new
     }
 
-    /// Bins further apart than 2^24 of them in x or y share a key: 8000 km at 0.5 m.
+    /// Bins are centred on multiples of their widths, one of them on the heading pi. Those further
+    /// apart than 2^24 bins in x or y share a key: 8000 km at 0.5 m.
     fn key(&self, pose: Pose2) -> u64 {
         let [position, heading] = self.per_unit;
-        let column = (pose.x * position).floor() as i64;
-        let row = (pose.y * position).floor() as i64;
-        let heading = ((pose.theta * heading).floor() as i64).rem_euclid(self.headings);
-        let bits = |value: i64, count: u32| value as u64 & ((1 << count) - 1);
-        bits(column, 24) << 40 | bits(row, 24) << 16 | bits(heading, 16)
+        // The low bits of the sum are the nearest whole number.
+        let bits = |value: f64| (value + ROUND).to_bits();
+        let (column, row) = (bits(pose.x * position), bits(pose.y * position));
+        let heading = bits(pose.theta * heading) as u32 as i32;
+        let heading = if heading < 0 { heading + self.headings } else { heading };
+        (column & 0xff_ffff) << 40 | (row & 0xff_ffff) << 16 | (heading as u64 & 0xffff)
     }
 
     fn grow(&mut self) {

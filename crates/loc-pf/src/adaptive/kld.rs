@@ -1,10 +1,9 @@
-//! The number of particles from a cloud and its weights.
+//! The number of particles from a cloud and its weights, and the draw of that many.
 
 use super::KldSettings;
 use super::bins::Bins;
-use crate::resample::Wheel;
+use crate::resample::{Resampling, Wheel};
 use crate::{Poses, Result};
-use loc_core::Pose2;
 use rand::Rng;
 
 /// KLD-sampling with its memory, which is kept from one resampling to the next.
@@ -35,37 +34,49 @@ impl Kld {
         &self.settings
     }
 
-    /// How many particles to draw from the wheel of a cloud: draws until there are as many as the
-    /// bins that they fell into ask for; between `min_particles` and `max_particles`.
+    /// Fills `indices` with as many particles as the bins that they fall into ask for, drawn by
+    /// `scheme` from the wheel of the cloud; between `min_particles` and `max_particles`, none from
+    /// a cloud without any.
     ///
-    /// The wheel must be that of these particles; of more or fewer, those that both have count.
-    pub fn count<R: Rng + ?Sized>(
+    /// # Panics
+    /// Where the wheel has more sectors than there are poses.
+    pub fn draw<R: Rng + ?Sized>(
         &mut self,
+        scheme: Resampling,
         wheel: &Wheel,
         poses: Poses<'_>,
         rng: &mut R,
-    ) -> usize {
+        indices: &mut Vec<u32>,
+    ) {
+        let fewest = self.settings.min_particles;
+        scheme.spin(wheel, fewest, rng, indices);
+        if indices.is_empty() {
+            return;
+        }
         self.bins.clear();
-        let mut needed = self.settings.min_particles;
+        // The fewest are drawn in any case; if they are enough, they are the result.
+        for &index in &*indices {
+            self.bins.insert(poses.at(index as usize));
+        }
+        let mut needed = self.settings.bound(self.quantile, self.bins.len());
+        if needed <= fewest {
+            return;
+        }
         let mut place = rng.next_u64();
-        let (mut drawn, mut last) = (0, usize::MAX);
-        let particles = wheel.len().min(poses.len());
-        while particles > 0 && drawn < needed && needed < self.settings.max_particles {
+        let mut drawn = fewest;
+        while drawn < needed && needed < self.settings.max_particles {
             // The upper 53 bits as a share of the wheel.
             let share = (place >> 11) as f64 / (1_u64 << 53) as f64;
-            let index = wheel.index_at(share).min(particles - 1);
-            let [x, y, theta] = [poses.x[index], poses.y[index], poses.theta[index]];
-            if index != last && self.bins.insert(Pose2 { x, y, theta }) {
+            if self.bins.insert(poses.at(wheel.index_at(share))) {
                 needed = self.settings.bound(self.quantile, self.bins.len());
             }
-            last = index;
             drawn += 1;
             place = place.wrapping_add(GOLDEN);
         }
-        needed
+        scheme.spin(wheel, needed, rng, indices);
     }
 
-    /// In how many bins the draws of the last [`count`](Kld::count) fell: all bins of the belief,
+    /// In how many bins the particles of the last [`draw`](Kld::draw) were found: all bins of the belief,
     /// up to those that ask for `max_particles`.
     pub fn bins(&self) -> usize {
         self.bins.len()

@@ -5,10 +5,12 @@
 //! position and heading) that hold particles, and asks for as many particles as make the cloud, with
 //! a given confidence, no further than a given error from the belief (Kullback-Leibler distance).
 //!
-//! Fox draws the new particles one by one until there are enough. [`Kld`] looks at particles
-//! of the old cloud in the same proportion, but in an order that covers the wheel of weights evenly
-//! from the first draw on (multiples of the golden ratio), and then says how many to draw: any
-//! [`Resampling`](crate::Resampling) may draw them, the spoke wheel too.
+//! Fox draws the new particles one by one until there are enough, which the spoke wheel cannot do:
+//! it must know how many before it turns. [`Kld`] therefore draws the fewest first, which for a tight
+//! cloud are the result. Where their bins ask for more, it looks at further particles of the old
+//! cloud in proportion to their weights, in an order that covers the wheel of weights evenly at
+//! every count (multiples of the golden ratio), until there are enough; then the scheme, any
+//! [`Resampling`], draws that many anew.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -19,10 +21,9 @@
 //! let mut kld = Kld::new(KldSettings { min_particles: 100, ..Default::default() })?;
 //! let mut wheel = Wheel::new();
 //! wheel.set(cloud.log_weights());
-//! let count = kld.count(&wheel, cloud.poses(), &mut rng);
-//! assert!(count < 300, "a cloud in a few bins needs few particles");
 //! let mut drawn = Vec::new();
-//! Resampling::Systematic.spin(&wheel, count, &mut rng, &mut drawn);
+//! kld.draw(Resampling::Systematic, &wheel, cloud.poses(), &mut rng, &mut drawn);
+//! assert!(drawn.len() < 300, "a cloud in a few bins needs few particles");
 //! # Ok::<(), loc_pf::Error>(())
 //! ```
 
@@ -31,6 +32,8 @@ mod kld;
 
 pub use kld::Kld;
 
+#[cfg(doc)]
+use crate::Resampling;
 use crate::Result;
 use loc_core::Normal;
 use loc_core::error::{finite, in_range, positive};

@@ -5,7 +5,9 @@ use super::settings::RecoverySettings;
 /// Two averages of the mean likelihood of a sighting, as a share of the largest that it could have.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Fit {
-    averages: Option<[f64; 2]>,
+    count: u32,
+    slow: f64,
+    fast: f64,
 }
 
 impl Fit {
@@ -20,14 +22,17 @@ impl Fit {
         settings: &RecoverySettings,
     ) -> f64 {
         let now = ((log_mean - log_peak) / count.max(1) as f64).exp().clamp(0.0, 1.0);
-        let [slow, fast] = self.averages.get_or_insert([now; 2]);
-        *slow += settings.alpha_slow * (now - *slow);
-        *fast += settings.alpha_fast * (now - *fast);
-        if *slow > 0.0 { (1.0 - settings.factor * *fast / *slow).max(0.0) } else { 0.0 }
+        self.count = self.count.saturating_add(1);
+        // The first ones are averaged evenly, so that neither average hangs on the very first.
+        let first = f64::from(self.count).recip();
+        self.slow += settings.alpha_slow.max(first) * (now - self.slow);
+        self.fast += settings.alpha_fast.max(first) * (now - self.fast);
+        let off = settings.alpha_fast <= 0.0 || self.fast * settings.factor >= self.slow;
+        if off { 0.0 } else { 1.0 - self.fast / self.slow }
     }
 
     /// The slow and the fast average, each in \[0, 1\].
     pub(super) fn averages(&self) -> Option<[f64; 2]> {
-        self.averages
+        (self.count > 0).then_some([self.slow, self.fast])
     }
 }

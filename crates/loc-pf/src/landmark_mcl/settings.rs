@@ -24,9 +24,9 @@ pub struct LandmarkMclSettings {
     pub resample_below: f64,
     /// How particles are drawn.
     pub resampling: Resampling,
-    /// How far resampled particles are moved apart, as a share of the cloud's standard deviation:
-    /// copies of one particle would stay copies on a robot that stands still. At most a quarter of
-    /// a sighting's sigma.
+    /// How far resampled particles are moved apart, as a share of what suits a normal distribution,
+    /// in \[0, 1\]: copies of one particle would stay copies on a robot that stands still. At most a
+    /// quarter of a sighting's sigma.
     pub roughening: f64,
     /// What to do when lost.
     pub recovery: RecoverySettings,
@@ -46,7 +46,8 @@ pub struct RecoverySettings {
     /// Decay of the fast one; 0 for no recovery. Also known as alpha_fast.
     pub alpha_fast: f64,
     /// The fast average must fall below the slow one divided by this before anything is done; the
-    /// share of new particles is then `1 - factor * fast / slow`. 1 is the textbook.
+    /// share of new particles is then `1 - fast / slow`. 1 is the textbook, which replaces a few
+    /// whenever sightings fit a little worse than usual.
     pub factor: f64,
     /// Share of the new particles that are put where the sightings are, the others anywhere.
     pub sensor_resetting: f64,
@@ -55,14 +56,14 @@ pub struct RecoverySettings {
 impl Default for LandmarkMclSettings {
     fn default() -> Self {
         LandmarkMclSettings {
-            particles: 1000,
+            particles: 2000,
             integration: Integration::default(),
             motion_noise: VelocityNoise::default(),
             sights: SightModel::default(),
             margin: 1.0,
             resample_below: 0.5,
             resampling: Resampling::default(),
-            roughening: 0.1,
+            roughening: 1.0,
             recovery: RecoverySettings::default(),
             horizon: 2.0,
             threads: 1,

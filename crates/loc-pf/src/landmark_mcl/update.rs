@@ -1,15 +1,16 @@
 //! One step of the filter: drive to the sightings, weigh by them, resample.
 
-use super::LandmarkMcl;
 use super::leg::legs;
+use super::{LandmarkMcl, State};
 use crate::estimate::moments;
 use crate::sensor::landmark::{LandmarkLikelihood, SensorResetting, Trust, anywhere};
 use crate::{Particles, Result};
 use loc_core::motion::dead_reckon;
 use loc_core::random::ChaCha8Rng;
-use loc_core::{Gaussian, Pose2};
+use loc_core::{Pose2, angle};
 use loc_maps::Bounds;
 use loc_sensors::landmark_camera::Sighting;
+use nalgebra::Vector3;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -29,6 +30,15 @@ pub struct SightingUpdate {
 /// Share of particles that a first sighting leaves anywhere: it may be wrong.
 const LEFT_ANYWHERE: f64 = 0.1;
 
+/// Share of the particles that must carry weight after a part of the sightings.
+const ENOUGH: f64 = 0.05;
+
+/// Most parts in which sightings are taken in.
+const STAGES: usize = 4;
+
+/// How finely the part is searched.
+const HALVINGS: usize = 8;
+
 /// Largest step of roughening, in standard deviations of a sighting.
 const LARGEST_STEP: f64 = 0.25;
 
@@ -40,14 +50,20 @@ impl LandmarkMcl {
             return;
         }
         let (integration, noise) = (self.settings.integration, &self.settings.motion_noise);
-        for leg in legs(self.velocities.between(from, stamp), integration, noise) {
-            self.filter.predict(&leg);
-        }
+        self.state.stamp = stamp;
+        let Ok(legs) = legs(self.velocities.between(from, stamp), integration, noise) else {
+            // Further than any robot drives, it may be anywhere.
+            let count = self.settings.particles;
+            let cloud = scattered(&self.region, count, self.filter.rng_mut());
+            self.state = State { belief: moments(&cloud), anywhere: true, ..self.state };
+            *self.filter.particles_mut() = cloud;
+            return;
+        };
+        legs.iter().for_each(|leg| self.filter.predict(leg));
         let drive = self.velocities.between(from, stamp);
         self.state.belief = drive.fold(self.state.belief, |belief, hold| {
             dead_reckon(&belief, hold.twist, hold.duration, integration, noise)
         });
-        self.state.stamp = stamp;
     }
 
     /// Takes in sightings at a time \[s\] not before the last ones.
@@ -80,11 +96,56 @@ impl LandmarkMcl {
     }
 
     /// Weighs the cloud; answers with the share of particles to replace.
+    ///
+    /// Where only a handful of particles would carry all the weight, the sightings are taken in by
+    /// degrees: a part of the log-likelihood that leaves enough of them, a new cloud drawn, and then
+    /// the rest (progressive correction, Oudjane and Musso 2000).
     fn weigh(&mut self, likelihood: &LandmarkLikelihood) -> f64 {
-        self.filter.weigh(likelihood);
-        let log_mean = self.filter.normalize();
+        let (mut log_mean, mut rest) = (0.0, 1.0);
+        for stage in (0..STAGES).rev() {
+            let rated = self.rated(likelihood);
+            let part = if stage > 0 { self.bearable(&rated, rest) } else { rest };
+            let weights = self.filter.particles_mut().log_weights_mut();
+            weights.iter_mut().zip(&rated).for_each(|(weight, rated)| *weight += part * rated);
+            log_mean += self.filter.normalize();
+            rest -= part;
+            if rest <= 0.0 {
+                break;
+            }
+            self.state.belief = moments(self.filter.particles());
+            self.filter.resample(self.settings.resampling, self.settings.particles);
+            self.roughen();
+        }
         let (log_peak, count) = (likelihood.log_peak(), likelihood.len());
         self.state.fit.update(log_mean, log_peak, count, &self.settings.recovery)
+    }
+
+    /// The log-likelihood of every particle.
+    fn rated(&mut self, likelihood: &LandmarkLikelihood) -> Vec<f64> {
+        let before = self.filter.particles().log_weights().to_vec();
+        self.filter.particles_mut().log_weights_mut().fill(0.0);
+        self.filter.weigh(likelihood);
+        let weights = self.filter.particles_mut().log_weights_mut();
+        let rated = weights.to_vec();
+        weights.copy_from_slice(&before);
+        rated
+    }
+
+    /// The largest power, up to `rest`, of the likelihood that leaves enough particles.
+    fn bearable(&self, rated: &[f64], rest: f64) -> f64 {
+        let enough = ENOUGH * self.settings.particles as f64;
+        let weights = self.filter.particles().log_weights();
+        if sample_size(weights, rated, rest) >= enough {
+            return rest;
+        }
+        let (mut low, mut high) = (0.0, rest);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            let bearable = sample_size(weights, rated, middle) >= enough;
+            if bearable { low = middle } else { high = middle }
+        }
+        // Where not even the least part leaves enough, the sightings contradict the cloud.
+        if low > 0.0 { low } else { rest }
     }
 
     /// Puts the cloud where the sightings may have been made.
@@ -114,25 +175,50 @@ impl LandmarkMcl {
         self.filter.particles_mut().set_equal_weights();
     }
 
-    /// Moves copies of one particle apart (Gordon, Salmond and Smith 1993).
+    /// Moves copies of one particle apart and the cloud together by as much, so that its mean and
+    /// covariance stay (Liu and West 2001).
     fn roughen(&mut self) {
-        let Gaussian { covariance, .. } = &self.state.belief;
-        let noise = &self.settings.sights.noise;
-        let largest = [noise.range_sigma, noise.range_sigma, noise.bearing_sigma];
-        let steps: [f64; 3] = std::array::from_fn(|k| {
-            let spread = covariance[(k, k)].max(0.0).sqrt();
-            (self.settings.roughening * spread).min(LARGEST_STEP * largest[k])
-        });
+        let mean = self.state.belief.mean;
+        let width = self.kernel_width();
+        if width <= 0.0 {
+            return;
+        }
+        let kernel = width * self.state.belief.factor();
+        let together = (1.0 - width * width).sqrt();
         for k in 0..self.filter.particles().len() {
-            let Pose2 { x, y, theta } = self.filter.particles().pose(k);
+            let mut deviation = self.filter.particles().pose(k).to_vector() - mean;
+            deviation.z = angle::wrap(deviation.z);
             let rng = self.filter.rng_mut();
-            let [dx, dy, turn] = steps.map(|step| {
-                let unit: f64 = StandardNormal.sample(rng);
-                step * unit
-            });
-            self.filter.particles_mut().set_pose(k, Pose2::new(x + dx, y + dy, theta + turn));
+            let step = kernel * Vector3::from_fn(|_, _| StandardNormal.sample(rng));
+            let pose = Pose2::from_vector(&(mean + together * deviation + step));
+            self.filter.particles_mut().set_pose(k, pose);
         }
     }
+
+    /// Width of the kernel in standard deviations of the cloud: the one that suits a normal
+    /// distribution (Silverman 1986), less where a cloud is so wide that it is none.
+    fn kernel_width(&self) -> f64 {
+        let covariance = &self.state.belief.covariance;
+        let noise = &self.settings.sights.noise;
+        let largest = [noise.range_sigma, noise.range_sigma, noise.bearing_sigma];
+        let suits = (0.8 / self.settings.particles as f64).powf(1.0 / 7.0);
+        let limits = (0..3).map(|k| {
+            let sigma = covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt();
+            LARGEST_STEP * largest[k] / sigma
+        });
+        limits.fold(self.settings.roughening * suits, f64::min).min(1.0)
+    }
+}
+
+/// Effective sample size after weighing by a power of the likelihood.
+fn sample_size(log_weights: &[f64], rated: &[f64], power: f64) -> f64 {
+    let logarithms = || log_weights.iter().zip(rated).map(|(weight, rated)| weight + power * rated);
+    let largest = logarithms().fold(f64::NEG_INFINITY, f64::max);
+    let (sum, squares) = logarithms().fold((0.0, 0.0), |(sum, squares), logarithm| {
+        let weight = (logarithm - largest).exp();
+        (sum + weight, squares + weight * weight)
+    });
+    if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 
 /// Poses anywhere in a region.

@@ -6,11 +6,12 @@
 
 pub mod beam;
 pub mod landmark;
-mod likelihood_field;
+pub mod likelihood_field;
+pub mod perceptual;
 
 pub use beam::{BeamLikelihood, BeamModel, BeamModelSettings};
 pub use landmark::LandmarkLikelihood;
-pub use likelihood_field::FieldLikelihood;
+pub use likelihood_field::{BeamSkip, FieldLikelihood, SumOfCubes};
 
 use crate::Poses;
 use loc_core::Pose2;

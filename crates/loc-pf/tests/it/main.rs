@@ -1,6 +1,12 @@
 //! Tests of loc-pf, one module per topic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
+/// One number for many: results that must be the same on every machine.
+fn fnv1a(words: impl Iterator<Item = u64>) -> u64 {
+    words.fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0100_0000_01b3))
+}
+
+mod adaptive;
 mod beam;
 mod clusters;
 mod landmark;
@@ -8,4 +14,12 @@ mod landmark_mcl;
 mod lost;
 mod moments;
 mod robot;
+mod likelihood_field;
+mod moments;
+mod motion;
+mod normals;
+mod novelty;
+mod perceptual;
+mod policy;
+mod resample;
 mod sensor_resetting;

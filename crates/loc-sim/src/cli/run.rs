@@ -2,7 +2,7 @@
 
 use super::Global;
 use super::progress::Progress;
-use super::show::{Finished, OutputArgs, show};
+use super::show::{Finished, OutputArgs, show, show_illustration};
 use crate::scenario::{Scenario, builtin};
 use std::path::Path;
 
@@ -45,6 +45,9 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
         Scenario::named(name, changes)?
     };
     let seed = args.seed.unwrap_or(scenario.seed);
+    if let Some(illustration) = scenario.illustrate(seed)? {
+        return show_illustration(&illustration, &scenario, &args.output, global);
+    }
     let methods = &args.output.methods;
     let mut progress = Progress::new(&scenario.name, global);
     let run = scenario.run(

@@ -3,8 +3,9 @@
 use super::Global;
 use crate::localizer::Method;
 use crate::metrics::{Alignment, Summary};
-use crate::output;
+use crate::output::{self, Illustration};
 use crate::record::Run;
+use crate::scenario::Scenario;
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 
@@ -42,10 +43,8 @@ pub(super) fn show(
 ) -> anyhow::Result<()> {
     let run = finished.run;
     let summary = Summary::of(run, finished.seed, args.align)?;
-    let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
-    let command = format!("loc-sim {command}");
-    let files = output::files(run, &summary, finished.title, command.trim_end())?;
-    let folder = args.out.clone().unwrap_or_else(|| Path::new("out").join(finished.name));
+    let files = output::files(run, &summary, finished.title, &command())?;
+    let folder = args.folder(finished.name);
     files.write(&folder).context("cannot write the run")?;
     if global.quiet {
         return Ok(());
@@ -58,4 +57,37 @@ pub(super) fn show(
         super::print(&line)?;
     }
     super::print(&format!("written to {}", folder.display()))
+}
+
+/// Writes the folder of an illustration and prints its numbers.
+pub(super) fn show_illustration(
+    illustration: &Illustration,
+    scenario: &Scenario,
+    args: &OutputArgs,
+    global: &Global,
+) -> anyhow::Result<()> {
+    let folder = args.folder(&scenario.name);
+    let files = illustration.files(&scenario.title, &command())?;
+    files.write(&folder).context("cannot write the illustration")?;
+    if global.quiet {
+        return Ok(());
+    }
+    if global.json {
+        return super::print(&serde_json::to_string_pretty(&illustration.summary)?);
+    }
+    super::print(&illustration.lines.join("\n"))?;
+    super::print(&format!("written to {}", folder.display()))
+}
+
+/// The command as it was given.
+fn command() -> String {
+    let arguments = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+    format!("loc-sim {arguments}").trim_end().to_owned()
+}
+
+impl OutputArgs {
+    /// The folder to write.
+    fn folder(&self, name: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| Path::new("out").join(name))
+    }
 }

@@ -1,13 +1,12 @@
 //! `ekf`: the extended Kalman filter with landmarks (H2).
 
-use super::{Estimate, Judgement, Localizer};
+use super::{Estimate, Judgement, Localizer, seen_at};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, Outcome};
-use loc_sensors::landmark_camera::{Sight, Sighting};
-use nalgebra::Point2;
+use loc_sensors::landmark_camera::Sighting;
 
 #[derive(Debug)]
 pub(super) struct Ekf {
@@ -34,14 +33,7 @@ impl Ekf {
             accepted: outcome.accepted(),
             nis: outcome.nis(),
             degrees_of_freedom: outcome.degrees_of_freedom(),
-            seen_at: match sighting.sight {
-                Sight::RangeBearing { range, bearing } => {
-                    let (sin, cos) = bearing.sin_cos();
-                    let in_camera = Point2::new(range * cos, range * sin);
-                    Some((pose * self.mounting).transform(&in_camera))
-                }
-                Sight::Range { .. } | Sight::Bearing { .. } => None,
-            },
+            seen_at: seen_at(pose * self.mounting, sighting),
         }
     }
 }

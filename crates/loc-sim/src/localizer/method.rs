@@ -3,12 +3,14 @@
 use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
+use super::landmark_mcl::SightMcl;
 use super::mcl::ScanMcl;
 use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::landmark::LandmarkSettings;
-use loc_pf::MclSettings;
+use loc_pf::sensor::landmark::SightModel;
+use loc_pf::{LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
 
 /// A method that a run can use.
@@ -32,8 +34,11 @@ pub struct MethodSettings {
     pub landmark: LandmarkSettings,
     /// For a vehicle on a rail.
     pub rail: RailSettings,
-    /// For the particle filter.
+    /// For the particle filter in a map.
     pub mcl: MclSettings,
+    /// For the particle filter among landmarks; what it shares with the other methods among
+    /// landmarks, it takes from there.
+    pub landmark_mcl: LandmarkMclSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
     /// Seed of the methods that draw random numbers.
@@ -47,6 +52,17 @@ pub struct RailSettings {
     pub acceleration_sigma: f64,
     /// Standard deviation of each position sensor \[m\].
     pub sensor_sigmas: Vec<f64>,
+}
+
+impl MethodSettings {
+    /// Settings of the particle filter among landmarks, with what all methods there are told.
+    pub fn landmark_mcl(&self) -> LandmarkMclSettings {
+        let LandmarkSettings { integration, motion_noise, sight_noise, mounting, horizon, .. } =
+            self.landmark;
+        let own = self.landmark_mcl;
+        let sights = SightModel { noise: sight_noise, mounting, ..own.sights };
+        LandmarkMclSettings { integration, motion_noise, sights, horizon, ..own }
+    }
 }
 
 impl Method {
@@ -86,6 +102,9 @@ impl Method {
             Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings)?),
             Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
             Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
+            Method::Mcl if setup.map.is_none() && !setup.landmarks.is_empty() => {
+                Box::new(SightMcl::new(setup, settings)?)
+            }
             Method::Mcl => Box::new(ScanMcl::new(setup, settings)?),
         })
     }

@@ -5,6 +5,7 @@
 pub mod cloud;
 mod dead_reckoning;
 mod ekf;
+mod landmark_mcl;
 mod mcl;
 mod method;
 mod rail;
@@ -15,6 +16,7 @@ pub use method::{Method, MethodSettings, RailSettings};
 use crate::Result;
 use crate::event::{Control, Measurement};
 use loc_core::{Gaussian, Pose2};
+use loc_sensors::landmark_camera::{Sight, Sighting};
 use nalgebra::{Matrix3, Point2};
 
 /// A method that follows a robot through a stream of events.
@@ -79,4 +81,12 @@ impl Judgement {
     /// A measurement that was turned away before it was looked at.
     pub const REFUSED: Judgement =
         Judgement { accepted: false, nis: None, degrees_of_freedom: 0, seen_at: None };
+}
+
+/// Where a sighting puts its landmark from a camera's pose \[m\]; `None` without a distance and a
+/// direction.
+fn seen_at(camera: Pose2, sighting: &Sighting) -> Option<Point2<f64>> {
+    let Sight::RangeBearing { range, bearing } = sighting.sight else { return None };
+    let (sin, cos) = bearing.sin_cos();
+    Some(camera.transform(&Point2::new(range * cos, range * sin)))
 }

@@ -12,6 +12,9 @@
 mod backdrop;
 pub mod figures;
 mod folder;
+mod illustration;
+pub mod perceptual;
+pub(crate) mod png;
 mod report;
 pub mod svg;
 mod table;
@@ -19,6 +22,7 @@ mod trajectories;
 
 pub use backdrop::backdrop;
 pub use folder::Folder;
+pub use illustration::Illustration;
 pub use report::report;
 pub use table::{final_beliefs, table};
 
@@ -32,11 +36,7 @@ use crate::record::Run;
 /// [`loc_core::Error`] for estimates that are not finite.
 pub fn files(run: &Run, summary: &Summary, title: &str, command: &str) -> Result<Folder> {
     let mut folder = Folder::default();
-    let json = serde_json::to_string_pretty(summary).map_err(|error| crate::Error::Config {
-        file: "summary.json".into(),
-        message: error.to_string(),
-    })?;
-    folder.add("summary.json", json + "\n");
+    folder.add("summary.json", pretty(summary)?);
     trajectories::add(&mut folder, run)?;
     let figures = figures::all(run, title);
     folder.add("report.html", report(summary, title, command, &figures));
@@ -44,4 +44,13 @@ pub fn files(run: &Run, summary: &Summary, title: &str, command: &str) -> Result
         folder.add(figure.file, figure.svg);
     }
     Ok(folder)
+}
+
+/// JSON as a file.
+fn pretty(value: &impl serde::Serialize) -> Result<String> {
+    let json = serde_json::to_string_pretty(value).map_err(|error| crate::Error::Config {
+        file: "summary.json".into(),
+        message: error.to_string(),
+    })?;
+    Ok(json + "\n")
 }

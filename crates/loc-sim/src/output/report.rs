@@ -16,13 +16,18 @@ figcaption { opacity: .75; font-size: .9rem; }
 
 /// The report of a run as HTML, with the command that makes it again.
 pub fn report(summary: &Summary, title: &str, command: &str, figures: &[FigureFile]) -> String {
+    page(&table(summary), title, command, figures)
+}
+
+/// A page with a text, figures and the command that makes it again.
+pub(super) fn page(text: &str, title: &str, command: &str, figures: &[FigureFile]) -> String {
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{0}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{0}</h1>\n\
          <pre>{1}</pre>\n",
         escape(title),
-        escape(&table(summary)),
+        escape(text),
     );
     for figure in figures {
         // An SVG inside a page goes without the XML declaration of a file.

@@ -3,70 +3,81 @@
 use crate::localizer::Cloud;
 use loc_core::Stamped;
 
-/// Clouds of one method, at most [`Snapshots::MOST`]: the first ones all, since that is when a
-/// method finds the robot, the others at even distances over the rest of the run.
+/// Clouds of one method, at most [`Snapshots::MOST`]. The first ones are all kept, since that is
+/// when a method finds the robot, and so are those after a kidnapping; the others lie at even
+/// distances over the rest of the run.
 ///
 /// ```
-/// use loc_core::{Pose2, Stamped};
+/// use loc_core::Pose2;
 /// use loc_sim::localizer::Cloud;
 /// use loc_sim::record::Snapshots;
-/// let mut snapshots = Snapshots::default();
+/// let mut snapshots = Snapshots::new(Some(500.0));
 /// for k in 0..1000 {
 ///     let pose = Pose2::new(f64::from(k), 0.0, 0.0);
-///     let cloud = Cloud { particles: vec![(pose, 1.0)], weighed: None };
-///     snapshots.offer(f64::from(k), cloud);
+///     snapshots.offer(f64::from(k), Cloud { particles: vec![(pose, 1.0)], weighed: None });
 /// }
 /// assert!(snapshots.len() <= Snapshots::MOST);
 /// let stamps: Vec<f64> = snapshots.iter().map(|snapshot| snapshot.stamp).collect();
 /// assert_eq!(stamps[..3], [0.0, 1.0, 2.0]);
-/// assert!(stamps.last() > Some(&950.0));
+/// assert!(stamps.contains(&501.0) && stamps.last() > Some(&950.0));
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Snapshots {
     clouds: Vec<Stamped<Cloud>>,
+    /// Beside each cloud its number among those that may be left out again.
+    numbers: Vec<Option<usize>>,
+    kidnapped_at: Option<f64>,
     /// The last cloud that was offered, to tell new ones from old ones.
     last: Option<Cloud>,
-    /// How many different ones were offered.
-    offered: usize,
-    /// Of the later ones every 2^k-th is kept.
-    doublings: u32,
+    before_kidnap: usize,
+    after_kidnap: usize,
+    later: usize,
+    /// Of the later ones every k-th is kept, k a power of 2.
+    every: usize,
 }
 
 impl Snapshots {
     /// The most clouds that are kept.
     pub const MOST: usize = 64;
-    /// How many of the first ones are kept whatever comes after them.
+    /// How many are kept whatever comes after them: at the start, and after a kidnapping.
     pub const FIRST: usize = 16;
+
+    /// No clouds yet, of a robot that may be kidnapped \[s\].
+    pub fn new(kidnapped_at: Option<f64>) -> Self {
+        Snapshots { kidnapped_at, every: 1, ..Snapshots::default() }
+    }
 
     /// Offers the cloud at a time \[s\]; one that is the same as the last one is passed over.
     pub fn offer(&mut self, stamp: f64, cloud: Cloud) {
         if self.last.as_ref() == Some(&cloud) {
             return;
         }
-        let number = self.offered;
-        self.offered += 1;
-        if number < Self::FIRST || number.is_multiple_of(1 << self.doublings) {
-            self.clouds.push(Stamped { stamp, value: cloud.clone() });
+        self.last = Some(cloud.clone());
+        let carried = self.kidnapped_at.is_some_and(|at| stamp >= at);
+        let firsts = if carried { &mut self.after_kidnap } else { &mut self.before_kidnap };
+        if *firsts < Self::FIRST {
+            *firsts += 1;
+            self.keep(None, stamp, cloud);
+            return;
         }
-        self.last = Some(cloud);
-        if self.clouds.len() > Self::MOST {
-            self.doublings += 1;
-            self.thin();
+        let number = self.later;
+        self.later += 1;
+        if number.is_multiple_of(self.every.max(1)) {
+            self.keep(Some(number), stamp, cloud);
         }
     }
 
-    /// Leaves out every second one of the later ones.
-    fn thin(&mut self) {
-        let mut later = 0;
-        let mut kept = 0;
-        self.clouds.retain(|_| {
-            kept += 1;
-            if kept <= Self::FIRST {
-                return true;
-            }
-            later += 1;
-            later % 2 == 1
-        });
+    fn keep(&mut self, number: Option<usize>, stamp: f64, value: Cloud) {
+        self.clouds.push(Stamped { stamp, value });
+        self.numbers.push(number);
+        if self.clouds.len() > Self::MOST {
+            self.every = 2 * self.every.max(1);
+            let every = self.every;
+            let stays = |number: &Option<usize>| number.is_none_or(|n| n.is_multiple_of(every));
+            let mut numbers = self.numbers.iter();
+            self.clouds.retain(|_| numbers.next().is_some_and(stays));
+            self.numbers.retain(stays);
+        }
     }
 
     /// How many clouds there are.

@@ -1,5 +1,6 @@
 //! What the filters are told, in the units of configuration files.
 
+use super::LandmarkMclConfig;
 use crate::Result;
 use crate::localizer::MethodSettings;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
@@ -25,6 +26,8 @@ pub struct FilterConfig {
     pub horizon_s: Option<f64>,
     /// Settings of the particle filter.
     pub mcl: MclSettings,
+    /// What the particle filter among landmarks is told beside.
+    pub landmark_mcl: LandmarkMclConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
 }
@@ -39,6 +42,7 @@ impl FilterConfig {
         Ok(MethodSettings {
             landmark: self.apply(landmark)?,
             mcl: self.mcl.clone(),
+            landmark_mcl: self.landmark_mcl.settings()?,
             global: self.global,
             ..MethodSettings::default()
         })

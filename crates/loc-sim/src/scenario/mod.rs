@@ -13,12 +13,17 @@
 
 pub mod builtin;
 mod filter;
+mod landmark_mcl;
 pub mod recording;
 
 pub use filter::FilterConfig;
+pub use landmark_mcl::LandmarkMclConfig;
 pub use recording::RecordingConfig;
 
+use crate::demonstration::DemonstrationConfig;
 use crate::localizer::{Method, MethodSettings};
+use crate::output::Illustration;
+use crate::probability_map::{ProbabilityMap, ProbabilityMapConfig};
 use crate::record::Run;
 use crate::source::drive::DriveConfig;
 use crate::source::rail::RailConfig;
@@ -43,6 +48,7 @@ pub struct Scenario {
     /// Seed of all randomness.
     pub seed: u64,
     /// The methods to run, by name.
+    #[serde(default)]
     pub methods: Vec<String>,
     /// A robot among landmarks. One of this and the following.
     pub drive: Option<DriveConfig>,
@@ -50,6 +56,10 @@ pub struct Scenario {
     pub rail: Option<RailConfig>,
     /// A robot with a laser in a building.
     pub tour: Option<TourConfig>,
+    /// A scan that is rated everywhere; no method runs on it.
+    pub probability_map: Option<ProbabilityMapConfig>,
+    /// What a method does inside; no method runs on it.
+    pub demonstration: Option<DemonstrationConfig>,
     /// Settings of the methods; what is left out follows the simulated sensors.
     pub filter: Option<FilterConfig>,
     /// The name of a left-handed frame in which final poses are printed as well: `kurt2`.
@@ -61,6 +71,8 @@ enum Kind<'a> {
     Drive(&'a DriveConfig),
     Rail(&'a RailConfig),
     Tour(&'a TourConfig),
+    ProbabilityMap(&'a ProbabilityMapConfig),
+    Demonstration(&'a DemonstrationConfig),
 }
 
 impl Scenario {
@@ -109,6 +121,8 @@ impl Scenario {
             }
             Kind::Rail(rail) => rail.check()?,
             Kind::Tour(tour) => tour.check()?,
+            Kind::ProbabilityMap(map) => map.check()?,
+            Kind::Demonstration(demonstration) => demonstration.check()?,
         }
         self.settings().map(|_| ())
     }
@@ -119,13 +133,19 @@ impl Scenario {
             self.drive.as_ref().map(Kind::Drive),
             self.rail.as_ref().map(Kind::Rail),
             self.tour.as_ref().map(Kind::Tour),
+            self.probability_map.as_ref().map(Kind::ProbabilityMap),
+            self.demonstration.as_ref().map(Kind::Demonstration),
         ];
         let mut given = kinds.into_iter().flatten();
         match (given.next(), given.next()) {
             (Some(kind), None) => Ok(kind),
             (first, _) => {
                 let found = if first.is_some() { "several" } else { "none" };
-                Err(config::field("drive, rail, tour", "one of them", found))
+                Err(config::field(
+                    "drive, rail, tour, probability_map, demonstration",
+                    "one of them",
+                    found,
+                ))
             }
         }
     }
@@ -147,7 +167,13 @@ impl Scenario {
             Kind::Drive(drive) => Box::new(SimulatedDrive::new(&self.name, drive, seed)?),
             Kind::Rail(rail) => Box::new(SimulatedRail::new(&self.name, rail, seed)?),
             Kind::Tour(tour) => Box::new(SimulatedTour::new(&self.name, tour, seed)?),
+            Kind::ProbabilityMap(_) => return Err(self.unmoved("probability_map")),
+            Kind::Demonstration(_) => return Err(self.unmoved("demonstration")),
         })
+    }
+
+    fn unmoved(&self, found: &str) -> Error {
+        config::field(&self.name, "a scenario with a robot that moves", found)
     }
 
     /// What the methods are told.
@@ -157,7 +183,9 @@ impl Scenario {
     pub fn settings(&self) -> Result<MethodSettings> {
         let sensors = match self.kind()? {
             Kind::Drive(drive) => drive.settings()?,
-            Kind::Rail(_) => LandmarkSettings::default(),
+            Kind::Rail(_) | Kind::ProbabilityMap(_) | Kind::Demonstration(_) => {
+                LandmarkSettings::default()
+            }
             Kind::Tour(tour) => {
                 LandmarkSettings { motion_noise: tour.wheel_noise()?, ..Default::default() }
             }
@@ -170,11 +198,29 @@ impl Scenario {
         })
     }
 
+    /// What a scenario shows that needs no method; `None` for one that [`run`](Scenario::run) is
+    /// for.
+    ///
+    /// # Errors
+    /// Values that do not fit the building.
+    pub fn illustrate(&self, seed: u64) -> Result<Option<Illustration>> {
+        Ok(match self.kind()? {
+            Kind::ProbabilityMap(config) => {
+                Some(ProbabilityMap::new(config, seed)?.illustrate(&self.title, config))
+            }
+            Kind::Demonstration(demonstration) => {
+                Some(demonstration.illustrate(&self.title, seed)?)
+            }
+            Kind::Drive(_) | Kind::Rail(_) | Kind::Tour(_) => None,
+        })
+    }
+
     /// Runs the scenario, with another seed or other methods where given. `progress` is told the
     /// share that is done.
     ///
     /// # Errors
-    /// What the source or a method reports.
+    /// What the source or a method reports; [`Error::Config`] for a scenario without a robot that
+    /// moves.
     pub fn run(
         &self,
         seed: Option<u64>,

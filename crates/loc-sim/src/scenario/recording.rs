@@ -139,7 +139,8 @@ impl RecordingConfig {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
     pub fn settings(&self) -> Result<MethodSettings> {
-        self.filter.methods(LandmarkSettings::default())
+        let landmark = self.filter.apply(LandmarkSettings::default())?;
+        Ok(MethodSettings { landmark, ..MethodSettings::default() })
     }
 }
 

@@ -9,11 +9,15 @@ mod consistency;
 mod eval;
 mod evo;
 mod figures;
+#[cfg(feature = "cli")]
+mod fit_beam;
 mod layering;
 #[cfg(feature = "cli")]
 mod map;
 mod metrics;
 mod mrclam;
+mod particles;
 mod recordings;
 mod scenarios;
 mod sense;
+mod tour;

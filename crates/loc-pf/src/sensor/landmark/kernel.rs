@@ -90,27 +90,37 @@ struct Block {
 pub(super) fn rate(likelihood: &LandmarkLikelihood, poses: Poses<'_>, log_weights: &mut [f64]) {
     if !likelihood.is_empty() {
         // Compiled for several generations of processors; the one at hand picks at run time.
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || rate_all(likelihood, poses, log_weights),
-        );
+        pulp::Arch::new().dispatch(Rating { likelihood, poses, log_weights });
     }
 }
 
-#[inline(always)]
-fn rate_all(likelihood: &LandmarkLikelihood, poses: Poses<'_>, log_weights: &mut [f64]) {
-    let zeros = [0.0; BLOCK];
-    let mut block =
-        Block { x: zeros, y: zeros, sin: zeros, cos: zeros, score: zeros, product: zeros };
-    let log_peak: f64 = likelihood.seen.iter().map(|seen| seen.log_peak).sum();
-    let blocks = poses.x.chunks(BLOCK).zip(poses.y.chunks(BLOCK)).zip(poses.theta.chunks(BLOCK));
-    for (((x, y), theta), weights) in blocks.zip(log_weights.chunks_mut(BLOCK)) {
-        block.place(x, y, theta, likelihood.origin, &likelihood.model.mounting);
-        block.rate(&likelihood.seen);
-        for (weight, score) in weights.iter_mut().zip(&block.score) {
-            // A pose beyond all numbers has no score; it is ruled out.
-            let score = if *score > f32::MIN { f64::from(*score) } else { f64::NEG_INFINITY };
-            *weight += log_peak + score;
+/// The work on a cloud, for one generation of processors.
+struct Rating<'a> {
+    likelihood: &'a LandmarkLikelihood,
+    poses: Poses<'a>,
+    log_weights: &'a mut [f64],
+}
+
+impl pulp::WithSimd for Rating<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _simd: S) {
+        let Rating { likelihood, poses, log_weights } = self;
+        let zeros = [0.0; BLOCK];
+        let mut block =
+            Block { x: zeros, y: zeros, sin: zeros, cos: zeros, score: zeros, product: zeros };
+        let log_peak: f64 = likelihood.seen.iter().map(|seen| seen.log_peak).sum();
+        let blocks = poses.x.chunks(BLOCK).zip(poses.y.chunks(BLOCK));
+        let blocks = blocks.zip(poses.theta.chunks(BLOCK));
+        for (((x, y), theta), weights) in blocks.zip(log_weights.chunks_mut(BLOCK)) {
+            block.place([x, y, theta], likelihood.origin, &likelihood.model.mounting);
+            block.rate(&likelihood.seen);
+            for (weight, score) in weights.iter_mut().zip(&block.score) {
+                // A pose beyond all numbers has no score; it is ruled out.
+                let score = if *score > f32::MIN { f64::from(*score) } else { f64::NEG_INFINITY };
+                *weight += log_peak + score;
+            }
         }
     }
 }
@@ -119,14 +129,7 @@ impl Block {
     /// Takes in robots' poses, as their cameras' places from the origin. The rest of a block that
     /// is not full keeps what it has.
     #[inline(always)]
-    fn place(
-        &mut self,
-        x: &[f64],
-        y: &[f64],
-        theta: &[f64],
-        origin: Point2<f64>,
-        on_robot: &Pose2,
-    ) {
+    fn place(&mut self, [x, y, theta]: [&[f64]; 3], origin: Point2<f64>, on_robot: &Pose2) {
         let (forward, left) = (on_robot.x as f32, on_robot.y as f32);
         for (to, from) in self.x.iter_mut().zip(x) {
             *to = (from - origin.x) as f32;

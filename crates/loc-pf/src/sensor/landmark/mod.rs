@@ -17,7 +17,7 @@
 //! let sight = Sight::RangeBearing { range: 5.0, bearing: 4_f64.atan2(3.0) };
 //! let seen = [Sighting { landmark: 7, sight }, Sighting { landmark: 99, sight }];
 //! let likelihood = LandmarkLikelihood::new(&map, &seen, &SightModel::default())?;
-//! assert_eq!(likelihood.unknown(), [99]);
+//! assert_eq!(likelihood.unknown(), [seen[1]]);
 //! let there = likelihood.log_likelihood(Pose2::IDENTITY);
 //! assert!(there > likelihood.log_likelihood(Pose2::new(0.1, 0.0, 0.0)));
 //!
@@ -97,13 +97,13 @@ impl SightModel {
 /// Sightings of one moment before a map, ready to rate poses.
 ///
 /// Many poses are rated in single precision, relative to the first landmark: a pose 100 m from it
-/// is rounded by 4 um, an angle by 0.4 urad, the logarithm by 2e-6 and a relative 1e-6.
+/// is rounded by 4 um, an angle by 4 urad, the logarithm by 1e-5 and a relative 2e-5.
 /// [`log_likelihood`](LandmarkLikelihood::log_likelihood) is the plain form in double precision.
 #[derive(Debug, Clone)]
 pub struct LandmarkLikelihood {
     model: SightModel,
     sightings: Vec<Placed>,
-    unknown: Vec<u32>,
+    unknown: Vec<Sighting>,
     /// Where single precision counts from \[m\]: the first landmark.
     origin: Point2<f64>,
     seen: Vec<Seen>,
@@ -131,7 +131,7 @@ impl LandmarkLikelihood {
                 Some(landmark) => {
                     placed.push(Placed { landmark: landmark.position.xy(), sighting: *sighting });
                 }
-                None => unknown.push(sighting.landmark),
+                None => unknown.push(*sighting),
             }
         }
         let origin = placed.first().map_or(Point2::origin(), |first: &Placed| first.landmark);
@@ -149,8 +149,8 @@ impl LandmarkLikelihood {
         self.sightings.is_empty()
     }
 
-    /// The numbers that were seen but are not in the map, in the order in which they came.
-    pub fn unknown(&self) -> &[u32] {
+    /// The sightings whose number is not in the map, in the order in which they came.
+    pub fn unknown(&self) -> &[Sighting] {
         &self.unknown
     }
 

@@ -2,14 +2,14 @@
 
 use super::{LandmarkLikelihood, Placed, SightModel};
 use loc_core::{Pose2, angle};
-use loc_sensors::landmark_camera::Sight;
+use loc_sensors::landmark_camera::{Sight, Sighting};
 use std::f64::consts::TAU;
 
 /// How far a sighting is to be trusted, given a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trust {
-    /// The number that was read off the landmark.
-    pub landmark: u32,
+    /// The sighting.
+    pub sighting: Sighting,
     /// Probability that the sighting is right; 0 where the map has no such landmark.
     pub probability: f64,
 }
@@ -52,10 +52,10 @@ impl LandmarkLikelihood {
         let known = self.placed().iter().map(move |placed| {
             let density = density(placed, self.model(), pose);
             let probability = (density.right - density.ln()).exp().min(1.0);
-            Trust { landmark: placed.sighting.landmark, probability }
+            Trust { sighting: placed.sighting, probability }
         });
         let unknown = self.unknown().iter();
-        known.chain(unknown.map(|&landmark| Trust { landmark, probability: 0.0 }))
+        known.chain(unknown.map(|&sighting| Trust { sighting, probability: 0.0 }))
     }
 }
 

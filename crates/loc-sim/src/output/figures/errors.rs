@@ -6,10 +6,14 @@ use crate::output::svg::{Chart, Figure, Role};
 use crate::record::{MethodRecord, Run};
 use loc_core::{angle, stats};
 
-/// Position error, heading error and NEES of every method.
+/// Position error, heading error and NEES of every method; of particles also their spread.
 pub(super) fn errors(run: &Run) -> FigureFile {
-    let mut position = Chart::new("position error [m]");
-    let mut heading = Chart::new("heading error [deg]");
+    let particles = run.methods.iter().any(|record| !record.snapshots.is_empty());
+    // A method that searches is first lost by many metres, then right by centimetres.
+    let chart = |name: &str| if particles { Chart::new(name).log_y() } else { Chart::new(name) };
+    let mut position = chart("position error [m]");
+    let mut heading = chart("heading error [deg]");
+    let mut spread = chart("spread of the position, 1 sigma [m]");
     let mut nees = Chart::new("NEES").log_y();
     for (k, record) in run.methods.iter().enumerate() {
         let (role, name) = (Role::Method(k), record.method.name());
@@ -20,22 +24,41 @@ pub(super) fn errors(run: &Run) -> FigureFile {
         let estimate = |i: usize| record.estimates[i];
         let distance = |i: usize| Some(estimate(i).pose.distance(truth(i)));
         position = position.line(role, name, over_time(&distance));
-        let turn =
-            |i: usize| Some(angle::difference(estimate(i).pose.theta, truth(i).theta).to_degrees());
+        let turn = |i: usize| {
+            let turn = angle::difference(estimate(i).pose.theta, truth(i).theta).to_degrees();
+            // A logarithm needs a size, and something to show of 0.
+            Some(if particles { turn.abs().max(0.01) } else { turn })
+        };
         heading = heading.line(role, name, over_time(&turn));
+        let sigma =
+            |i: usize| Some((estimate(i).covariance?.fixed_view::<2, 2>(0, 0).trace()).sqrt());
+        spread = spread.line(role, name, over_time(&sigma));
         let squared = |i: usize| pose_nees(&estimate(i), truth(i)).filter(|nees| *nees > 1e-6);
         nees = nees.line(role, name, over_time(&squared));
     }
-    heading = heading.reference(0.0, "");
+    if !particles {
+        heading = heading.reference(0.0, "");
+    }
     if let Ok(limit) = stats::chi_square_quantile(3, 0.95) {
         nees = nees.reference(limit, "95 % of honest ones are below");
     }
-    let figure = Figure::new("Errors over time").subtitle(run.setup.name.clone());
-    let figure = figure.x_label("time [s]").panel(position).panel(heading).panel(nees);
+    let mut figure = Figure::new("Errors over time").subtitle(run.setup.name.clone());
+    figure = figure.x_label("time [s]").panel(position).panel(heading);
+    if particles {
+        figure = figure.panel(spread);
+    }
     FigureFile {
         file: "errors.svg",
         caption: "Position error, heading error and NEES over time",
-        svg: figure.render(),
+        svg: with_kidnapping(run, figure.panel(nees)).render(),
+    }
+}
+
+/// The moment of a kidnapping, marked.
+fn with_kidnapping(run: &Run, figure: Figure) -> Figure {
+    match run.setup.kidnapped_at {
+        Some(at) => figure.mark(at - run.setup.start, "kidnapped"),
+        None => figure,
     }
 }
 
@@ -51,17 +74,31 @@ pub(super) fn consistency(run: &Run) -> Option<FigureFile> {
     {
         let unit = if coordinate == 2 { 1_f64.to_degrees() } else { 1.0 };
         let role = Role::Method(k);
-        let chart = Chart::new(*label)
-            .band(role, "2 sigma", band(run, record, coordinate, unit))
-            .line(role, record.method.name(), error(run, record, coordinate, unit))
-            .reference(0.0, "");
+        let (band, error) =
+            (band(run, record, coordinate, unit), error(run, record, coordinate, unit));
+        let mut chart = Chart::new(*label).reference(0.0, "");
+        if let Some(limit) = usual(&band, &error) {
+            chart = chart.y_range(-limit, limit);
+        }
+        chart = chart.band(role, "2 sigma", band).line(role, record.method.name(), error);
         figure = figure.panel(chart);
     }
     Some(FigureFile {
         file: "consistency.svg",
         caption: "Error of each coordinate inside two standard deviations",
-        svg: figure.render(),
+        svg: with_kidnapping(run, figure).render(),
     })
+}
+
+/// The range to show, where a few moments of a lost robot would leave no room for all others: a
+/// little more than what nine of ten moments need.
+fn usual(band: &[(f64, f64, f64)], error: &[(f64, f64)]) -> Option<f64> {
+    let pairs = band.iter().zip(error);
+    let mut sizes: Vec<f64> = pairs.map(|(band, error)| band.2.max(error.1.abs())).collect();
+    sizes.retain(|size| size.is_finite());
+    sizes.sort_by(f64::total_cmp);
+    let (most, usual) = (sizes.last()?, sizes[sizes.len() * 9 / 10]);
+    (*most > 4.0 * usual && usual > 0.0).then_some(1.3 * usual)
 }
 
 fn band(run: &Run, record: &MethodRecord, i: usize, unit: f64) -> Vec<(f64, f64, f64)> {

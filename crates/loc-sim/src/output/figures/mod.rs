@@ -1,5 +1,6 @@
 //! The figures of a run.
 
+mod clouds;
 mod errors;
 mod map;
 mod rail;
@@ -18,18 +19,30 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 6] =
-    ["map.svg", "errors.svg", "consistency.svg", "rail.svg", "density.svg", "accuracy.svg"];
+pub const NAMES: [&str; 10] = [
+    "map.svg",
+    "clouds.svg",
+    "errors.svg",
+    "consistency.svg",
+    "rail.svg",
+    "density.svg",
+    "accuracy.svg",
+    "probability.svg",
+    "stages.svg",
+    "diversity.svg",
+];
 
 /// The figures that suit a run.
 pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     if run.setup.rail.is_some() {
         return rail::all(run, title);
     }
+    let mut figures = vec![map::map(run, title)];
+    figures.extend(clouds::clouds(run));
     if run.truth.is_empty() {
-        return vec![map::map(run, title)];
+        return figures;
     }
-    let mut figures = vec![map::map(run, title), errors::errors(run)];
+    figures.push(errors::errors(run));
     figures.extend(errors::consistency(run));
     figures
 }

@@ -3,8 +3,9 @@
 //! A picture tells at a glance what a table of errors hides: where a robot was lost, whether an
 //! estimate is as certain as it claims, which landmark misled it. A [`Scene`] looks at the plane
 //! from above, in metres and with equal scales; a [`Figure`] stacks [`Chart`]s over one shared
-//! axis, mostly time; [`Pictures`] puts images side by side. What a thing is decides how it looks: everything drawn has a [`Role`], so
-//! that a method keeps its colour through all figures of a run.
+//! axis, mostly time; [`Frames`] shows one place at several times, [`Pictures`] puts images side
+//! by side, [`HeatMaps`] surfaces over the same axes. What a thing is decides how it looks:
+//! everything drawn has a [`Role`], so that a method keeps its colour through all figures of a run.
 //!
 //! ```
 //! use loc_sim::output::svg::{Chart, Figure, Role, Scene};
@@ -36,6 +37,7 @@ mod axis;
 mod chart;
 mod frame;
 mod header;
+mod heat_maps;
 mod marks;
 mod pictures;
 mod room;
@@ -47,8 +49,9 @@ mod ticks;
 mod writer;
 
 pub use chart::{Chart, Figure};
+pub use heat_maps::{HeatMap, HeatMaps};
 pub use pictures::{ColorBar, Picture, Pictures};
-pub use scene::{Backdrop, Scene};
+pub use scene::{Backdrop, Frames, Scene};
 pub use style::{Role, Style};
 pub use thin::{simplify, thin_columns};
 pub use ticks::{Tick, linear_ticks, log_ticks};

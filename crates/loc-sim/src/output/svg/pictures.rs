@@ -100,7 +100,15 @@ fn draw(writer: &mut Writer, picture: &Picture, left: f64, top: f64, width: f64)
     }
 }
 
-fn draw_bar(writer: &mut Writer, bar: &ColorBar, left: f64, top: f64, width: f64) -> f64 {
+/// Draws a strip of colours with its numbers below and its name beside it; returns where it ends
+/// \[px\].
+pub(super) fn draw_bar(
+    writer: &mut Writer,
+    bar: &ColorBar,
+    left: f64,
+    top: f64,
+    width: f64,
+) -> f64 {
     let name = text::width(&bar.name, TICK_SIZE) + 8.0;
     let width = width - name;
     image(writer, &bar.data_uri, [left, top, width, BAR]);
@@ -116,7 +124,7 @@ fn draw_bar(writer: &mut Writer, bar: &ColorBar, left: f64, top: f64, width: f64
     top + BAR + 20.0
 }
 
-fn image(writer: &mut Writer, data_uri: &str, [left, top, width, height]: [f64; 4]) {
+pub(super) fn image(writer: &mut Writer, data_uri: &str, [left, top, width, height]: [f64; 4]) {
     let place = |element: Element| {
         element.num("x", left).num("y", top).num("width", width).num("height", height)
     };

@@ -84,7 +84,7 @@ pub struct TourWheelConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KidnapConfig {
-    /// When.
+    /// When; a multiple of the time step.
     pub at_s: f64,
     /// Where to: a pose, or `"random"` for anywhere at least 5 m away.
     pub to: KidnapTarget,
@@ -137,8 +137,9 @@ impl TourConfig {
             people.check()?;
         }
         if let Some(KidnapConfig { at_s, to }) = self.kidnap {
-            if !(0.0..self.duration_s).contains(&at_s) {
-                let expected = format!("a time from 0 to the duration {} s", self.duration_s);
+            self.steps("tour.kidnap.at_s", at_s)?;
+            if at_s > self.duration_s {
+                let expected = format!("a time within the {} s of the tour", self.duration_s);
                 return Err(field("tour.kidnap.at_s", &expected, &at_s.to_string()));
             }
             if let KidnapTarget::Pose(pose) = to {

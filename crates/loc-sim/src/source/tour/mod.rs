@@ -129,10 +129,6 @@ impl SimulatedTour {
 
     /// Drives one step; the wheels and the laser report when it is over.
     fn drive(&mut self) {
-        if let Some(kidnap) = self.kidnap.as_mut().filter(|kidnap| kidnap.step == self.step) {
-            self.pose = kidnap.target(&self.roads, self.pose);
-            self.driver.stop();
-        }
         if self.driver.has_arrived(self.pose) {
             let way = self.next_stop().and_then(|to| self.roads.way(self.pose.position(), to));
             self.driver.follow(way.unwrap_or_default());
@@ -141,10 +137,14 @@ impl SimulatedTour {
         self.pose = Integration::ExactArc.step(self.pose, self.twist, self.dt);
         let reading = self.wheels.measure(self.twist, self.dt, &mut self.wheel_rng);
         self.odometry = Integration::ExactArc.step(self.odometry, reading, self.dt);
+        self.step += 1;
+        if let Some(kidnap) = self.kidnap.as_mut().filter(|kidnap| kidnap.step == self.step) {
+            self.pose = kidnap.target(&self.roads, self.pose);
+            self.driver.stop();
+        }
         if let Some(crowd) = &mut self.crowd {
             crowd.step(&self.world, self.pose, self.dt);
         }
-        self.step += 1;
         self.tell();
     }
 
@@ -225,7 +225,7 @@ fn draw_pose(roads: &Roads, rng: &mut ChaCha8Rng) -> Pose2 {
 /// A robot that will be carried off.
 #[derive(Debug)]
 struct Kidnap {
-    /// After this step.
+    /// At the end of this step.
     step: usize,
     /// To this pose, or anywhere.
     to: Option<Pose2>,

@@ -35,6 +35,7 @@ pub(super) fn draw(figure: &Figure) -> String {
         let top = end + NAME_HEIGHT;
         let panel = Area { left, top, width, height };
         draw_panel(&mut writer, chart, &panel, &x);
+        references::draw_marks(&mut writer, &figure.marks, area.is_none(), &panel, &x);
         end = panel.bottom() + GAP;
         area = Some(panel);
     }

@@ -27,6 +27,7 @@ pub struct Figure {
     subtitle: String,
     x_label: String,
     panels: Vec<Chart>,
+    marks: Vec<(f64, String)>,
 }
 
 #[derive(Debug, Clone)]
@@ -132,6 +133,14 @@ impl Figure {
     #[must_use]
     pub fn x_label(mut self, x_label: impl Into<String>) -> Self {
         self.x_label = x_label.into();
+        self
+    }
+
+    /// A vertical line through all charts, with its label in the first one: a moment when
+    /// something happened.
+    #[must_use]
+    pub fn mark(mut self, x: f64, label: impl Into<String>) -> Self {
+        self.marks.push((x, label.into()));
         self
     }
 

@@ -1,4 +1,4 @@
-//! Horizontal lines to compare with.
+//! Horizontal lines to compare with, and vertical ones where something happened.
 
 use super::draw::pixels;
 use super::{Chart, Data};
@@ -16,6 +16,33 @@ pub(super) fn draw_lines(writer: &mut Writer, chart: &Chart, area: &Area, y: &Ax
         let at = y.px(*value);
         let line = [(area.left, at), (area.right(), at)];
         marks::draw_line(writer, Role::Reference.dashed().width(1.3), &line);
+    }
+}
+
+/// Vertical lines, and with `named` what happened there.
+pub(super) fn draw_marks(
+    writer: &mut Writer,
+    marks: &[(f64, String)],
+    named: bool,
+    area: &Area,
+    x: &Axis,
+) {
+    for (value, label) in marks {
+        let at = x.px(*value);
+        if !(area.left..=area.right()).contains(&at) {
+            continue;
+        }
+        let line = [(at, area.top), (at, area.bottom())];
+        marks::draw_line(writer, Role::Truth.dashed().width(1.1), &line);
+        if named {
+            let width = text::width(label, TICK_SIZE);
+            let left = at + 6.0 + width > area.right();
+            let (at, anchor) =
+                if left { (at - 6.0, Anchor::End) } else { (at + 6.0, Anchor::Start) };
+            let place = (at, area.top + 15.0);
+            let element = text::element(place, TICK_SIZE, anchor, Paint::INK);
+            text::draw_with_halo(writer, element, label);
+        }
     }
 }
 

@@ -53,6 +53,24 @@ impl Bounds {
         }
     }
 
+    /// The rectangle around both.
+    pub(super) fn union(self, other: Bounds) -> Bounds {
+        Bounds {
+            min: (self.min.0.min(other.min.0), self.min.1.min(other.min.1)),
+            max: (self.max.0.max(other.max.0), self.max.1.max(other.max.1)),
+        }
+    }
+
+    /// Larger on each side by this share of the longer side, or by 1 m around a single point.
+    pub(super) fn with_margin(self, share: f64) -> Bounds {
+        let longer = self.size().0.max(self.size().1);
+        let room = if longer > 0.0 { share * longer } else { 1.0 };
+        Bounds {
+            min: (self.min.0 - room, self.min.1 - room),
+            max: (self.max.0 + room, self.max.1 + room),
+        }
+    }
+
     /// Width and height \[m\].
     pub(super) fn size(self) -> (f64, f64) {
         (self.max.0 - self.min.0, self.max.1 - self.min.1)

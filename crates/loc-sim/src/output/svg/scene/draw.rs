@@ -14,7 +14,7 @@ use loc_core::Ellipse;
 
 pub(super) fn draw(scene: &Scene) -> String {
     let mut writer = Writer::default();
-    let legend = legend(scene);
+    let legend = legend_of(&scene.items);
     let top = header::draw(&mut writer, &scene.title, &scene.subtitle, &legend) + NAME_HEIGHT;
     let bounds = Bounds::of(scene);
     let nothing = Bounds { min: (-1.0, -0.5), max: (1.0, 0.5) };
@@ -26,7 +26,7 @@ pub(super) fn draw(scene: &Scene) -> String {
     // The image covers the grid, whose lines would cut through its walls.
     view.area.draw_grid(&mut writer, &view.x, &view.y);
     if let Some(backdrop) = scene.backdrop.as_ref().filter(|b| b.is_valid()) {
-        draw_backdrop(&mut writer, &view, backdrop);
+        draw_image(&mut writer, &view, backdrop, None);
     }
     view.area.open_clip(&mut writer, 0.0);
     for item in &scene.items {
@@ -42,9 +42,9 @@ pub(super) fn draw(scene: &Scene) -> String {
     writer.finish(&scene.title, end)
 }
 
-fn legend(scene: &Scene) -> Legend {
+pub(super) fn legend_of<'a>(items: impl IntoIterator<Item = &'a Item>) -> Legend {
     let mut legend = Legend::default();
-    for item in &scene.items {
+    for item in items {
         let glyph = match item.shape {
             Shape::Path(_) | Shape::Segments(_) => Glyph::Line,
             Shape::Dots(_) => Glyph::Dots,
@@ -58,12 +58,23 @@ fn legend(scene: &Scene) -> Legend {
     legend
 }
 
-fn draw_backdrop(writer: &mut Writer, view: &View, backdrop: &Backdrop) {
+/// A backdrop in its place; one with a name can be shown again elsewhere.
+pub(super) fn draw_image(
+    writer: &mut Writer,
+    view: &View,
+    backdrop: &Backdrop,
+    name: Option<&str>,
+) {
     let (left, bottom) = view.px(backdrop.min);
     let (right, top) = view.px(backdrop.max);
+    let image = Element::new("image");
+    // What is shown again gets its dark colours there.
+    let image = match name {
+        Some(name) => image.attr("id", name),
+        None => image.class("loc-image"),
+    };
     writer.add(
-        Element::new("image")
-            .class("loc-image")
+        image
             .num("x", left)
             .num("y", top)
             .num("width", right - left)
@@ -75,7 +86,7 @@ fn draw_backdrop(writer: &mut Writer, view: &View, backdrop: &Backdrop) {
     );
 }
 
-fn draw_item(writer: &mut Writer, view: &View, item: &Item) {
+pub(super) fn draw_item(writer: &mut Writer, view: &View, item: &Item) {
     let style = item.style;
     match &item.shape {
         Shape::Path(points) => marks::draw_line(writer, style, &pixels(view, points)),

@@ -2,8 +2,12 @@
 
 mod bounds;
 mod draw;
+mod frames;
 mod labels;
+mod robot;
 mod view;
+
+pub use frames::Frames;
 
 use super::drawable;
 use super::style::Style;

@@ -47,6 +47,20 @@ impl View {
         }
     }
 
+    /// Puts the bounds into an area of the same shape, to the edge and without ticks.
+    pub(super) fn exactly(bounds: Bounds, area: Area) -> View {
+        let center = bounds.center();
+        let (width, height) = bounds.size();
+        let scale = (area.width / width).min(area.height / height);
+        let range = |middle: f64, pixels: f64| {
+            let half = 0.5 * pixels / scale;
+            (middle - half, middle + half)
+        };
+        let x = Axis::linear(range(center.0, area.width), (area.left, area.right()));
+        let y = Axis::linear(range(center.1, area.height), (area.bottom(), area.top));
+        View { area, x, y }
+    }
+
     /// Where a point of the plane lies \[px\].
     pub(super) fn px(&self, (x, y): (f64, f64)) -> (f64, f64) {
         (self.x.px(x), self.y.px(y))

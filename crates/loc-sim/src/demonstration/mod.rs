@@ -1,0 +1,72 @@
+//! Demonstrations: what a method does inside, shown without a robot that drives through a world.
+//!
+//! The lectures explain the particle filter with pictures of its parts: five stages in a corridor
+//! with doors ([`mcl_1d`], M2), and what resampling does to a robot that stands still
+//! ([`diversity`], M11). A scenario asks for one of them by `[demonstration] kind = ".."`; the
+//! filter in it is that of `loc-pf`, nothing is made up for the picture.
+//!
+//! ```
+//! use loc_sim::scenario::Scenario;
+//! let scenario = Scenario::named("mcl-1d", &["demonstration.particles=300".into()])?;
+//! let illustration = scenario.illustrate(1)?.expect("it needs no method");
+//! assert_eq!(illustration.figures[0].file, "stages.svg");
+//! # Ok::<(), loc_sim::Error>(())
+//! ```
+
+pub mod diversity;
+pub mod mcl_1d;
+
+pub use diversity::{Diversity, DiversityConfig};
+pub use mcl_1d::{Mcl1d, Mcl1dConfig};
+
+use crate::Result;
+use crate::output::Illustration;
+use serde::Deserialize;
+
+/// A demonstration and its numbers.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum DemonstrationConfig {
+    /// The stages of the filter in one dimension (M2).
+    #[serde(rename = "mcl-1d")]
+    Mcl1d(Mcl1dConfig),
+    /// How many ancestors survive resampling (M11).
+    Diversity(DiversityConfig),
+}
+
+impl DemonstrationConfig {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
+    pub(crate) fn check(&self) -> Result<()> {
+        match self {
+            DemonstrationConfig::Mcl1d(config) => config.check(),
+            DemonstrationConfig::Diversity(config) => config.check(),
+        }
+    }
+
+    /// Runs it.
+    ///
+    /// # Errors
+    /// Values out of range.
+    pub(crate) fn illustrate(&self, title: &str, seed: u64) -> Result<Illustration> {
+        Ok(match self {
+            DemonstrationConfig::Mcl1d(config) => Mcl1d::new(config, seed)?.illustrate(title),
+            DemonstrationConfig::Diversity(config) => {
+                Diversity::new(config, seed)?.illustrate(title)
+            }
+        })
+    }
+}
+
+/// Checks a number of particles or steps.
+///
+/// # Errors
+/// [`crate::Error::Config`] with the key.
+fn count(key: &str, found: usize, most: usize) -> Result<()> {
+    if (1..=most).contains(&found) {
+        return Ok(());
+    }
+    Err(crate::config::field(key, &format!("1 to {most}"), &found.to_string()))
+}

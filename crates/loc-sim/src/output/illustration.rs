@@ -1,0 +1,36 @@
+//! What a scenario leaves behind that shows one thing and runs no method.
+
+use super::figures::FigureFile;
+use super::{Folder, report};
+use crate::Result;
+use serde_json::Value;
+
+/// Figures with the numbers that belong to them.
+#[derive(Debug, Clone)]
+pub struct Illustration {
+    /// The numbers for people, a line each.
+    pub lines: Vec<String>,
+    /// The numbers for programs.
+    pub summary: Value,
+    /// The figures.
+    pub figures: Vec<FigureFile>,
+}
+
+impl Illustration {
+    /// All files, ready to be written: `summary.json`, the figures, and `report.html`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] for numbers that cannot be written.
+    pub fn files(&self, title: &str, command: &str) -> Result<Folder> {
+        let mut folder = Folder::default();
+        folder.add("summary.json", super::pretty(&self.summary)?);
+        folder.add(
+            "report.html",
+            report::page(&self.lines.join("\n"), title, command, &self.figures),
+        );
+        for figure in &self.figures {
+            folder.add(figure.file, figure.svg.clone());
+        }
+        Ok(folder)
+    }
+}
