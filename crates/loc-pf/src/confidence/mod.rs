@@ -25,10 +25,17 @@
 //! `P(lost) = 1 - (1 - P(wrong)) support^support_exponent`.
 //!
 //! This is a Bayes filter on two states (F5) whose evidence is tempered. How much, and what the
-//! evidence is worth, is not assumed but fitted to simulated drives by maximum likelihood, which
-//! makes the number calibrated instead of just large or small. The tests hold it to that in
-//! buildings, with a laser and among people that the fit has not seen. What it cannot know is how
-//! often robots get lost where it is used: in half of the updates of the fit they were.
+//! evidence is worth, is not assumed but fitted to 960 simulated drives by maximum likelihood,
+//! which makes the number calibrated instead of just large or small. In buildings and with a laser
+//! that the fit has not seen, the mean difference between what is stated and what happens
+//! (expected calibration error) is 0.014 over a mixture of surroundings, from static to 40 % of
+//! the beams blocked by people. Within one kind of surroundings it is 0.03 to 0.07: where nothing
+//! ever changes, even a small misfit means more than stated, among crowds less. On the recording
+//! of the Intel laboratory, 96 % of the statements at the reference pose are below 0.05 and more
+//! than 99 % of those 1 m beside it are above 0.9.
+//!
+//! What it cannot know is how often robots get lost where it is used: in 6 of 10 updates of the fit
+//! they were. And it cannot tell two places apart that look the same to the laser.
 //!
 //! ```
 //! use loc_pf::confidence::{LostMonitor, LostSettings, ScanFit};
@@ -113,8 +120,7 @@ impl LostMonitor {
             let odds = self.settings.memory * self.log_odds + shift;
             self.log_odds = odds.clamp(-SUREST, SUREST);
         }
-        // The larger of NaN and 0 is 0.
-        let support = support.max(0.0).min(1.0);
+        let support = if support > 0.0 { support.min(1.0) } else { 0.0 };
         let right = 1.0 / (1.0 + self.log_odds.exp());
         self.probability = 1.0 - right * support.powf(self.settings.support_exponent);
         self.probability

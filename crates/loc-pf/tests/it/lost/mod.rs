@@ -3,9 +3,10 @@
 mod calibration;
 mod fitting;
 mod monitor;
+mod recorded;
 mod simulation;
 
-use crate::robot::Robot;
+use crate::robot::{self, Robot};
 use calibration::{calibration_error, print, reliability, statements};
 use loc_core::random::stream;
 use loc_maps::OccupancyGrid;
@@ -108,7 +109,7 @@ fn said(drive: &[Sample]) -> Vec<f64> {
 
 #[test]
 fn a_kidnapped_robot_says_so_and_a_tracking_one_is_sure() {
-    let map = office(600, 400, 9);
+    let map = robot::office(9);
     let conditions = Conditions {
         building: map.clone(),
         map,

@@ -117,12 +117,12 @@ impl Run<'_> {
             let reported = clusterer.estimate(filter.particles()).belief.pose();
             let scans = [MountedScan { scan: &scan, mounting: Pose2::IDENTITY }];
             let fit = rater.rate(reported, &scans);
-            let tolerance = Tolerance::default();
+            let (distance, turn) = self.robot.error(reported);
             samples.push(Sample {
                 shares: fit.map(|fit| [fit.here, fit.blocked, fit.near]),
                 elsewhere: fit.map_or(Vec::new(), |fit| fit.elsewhere.to_vec()),
-                support: tolerance.support(filter.particles(), reported),
-                lost: !tolerance.holds(reported, self.robot.truth),
+                support: Tolerance::default().support(filter.particles(), reported),
+                lost: distance > 0.5 || turn > 15_f64.to_radians(),
                 since_kidnapping: (kind == Drive::Kidnapped)
                     .then(|| update.checked_sub(updates / 2))
                     .flatten(),
