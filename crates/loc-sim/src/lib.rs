@@ -8,6 +8,7 @@ pub mod error;
 pub mod event;
 pub mod localizer;
 pub mod metrics;
+pub mod nav2;
 pub mod output;
 pub mod perceptual;
 pub mod probability_map;

@@ -18,6 +18,8 @@ mod raycast;
 #[cfg(feature = "map-server")]
 mod real_maps;
 mod topological;
+#[cfg(feature = "map-server")]
+mod wean;
 mod worlds;
 
 /// A folder of real recordings under `LOC_DATA_DIR`, or `None`, said aloud, where that is unset.

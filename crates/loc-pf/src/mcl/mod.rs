@@ -59,6 +59,8 @@ pub struct Mcl {
     belief: Belief,
     /// The way since the last update.
     path: Option<DrivenPath>,
+    /// The belief about the start, until the first scan.
+    start: Option<Gaussian<3>>,
     clusterer: Clusterer,
     estimate: Estimate,
 }
@@ -74,7 +76,8 @@ impl Mcl {
         let belief = Belief::new(&settings, surroundings.free_space.area(), rng)?;
         let mut clusterer = Clusterer::new(settings.clusters)?;
         let estimate = clusterer.estimate(&Particles::new());
-        let mut mcl = Mcl { settings, surroundings, belief, path: None, clusterer, estimate };
+        let mut mcl =
+            Mcl { settings, surroundings, belief, path: None, start: None, clusterer, estimate };
         mcl.start_anywhere();
         Ok(mcl)
     }

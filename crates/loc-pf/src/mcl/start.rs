@@ -14,7 +14,7 @@ impl Mcl {
         let count = self.settings.particles.max_particles;
         let (free_space, rng) = (&self.surroundings.free_space, self.belief.filter.rng_mut());
         let cloud = Particles::from_poses((0..count).map(|_| free_space.draw(rng)));
-        self.restart(cloud, true);
+        self.restart(cloud, None);
     }
 
     /// Starts from a belief about the pose (A1), with the most particles that the settings allow.
@@ -30,14 +30,15 @@ impl Mcl {
         }
         let count = self.settings.particles.max_particles;
         let cloud = Particles::from_gaussian(belief, count, self.belief.filter.rng_mut());
-        self.restart(cloud, false);
+        self.restart(cloud, Some(*belief));
         Ok(())
     }
 
-    fn restart(&mut self, cloud: Particles, is_anywhere: bool) {
+    fn restart(&mut self, cloud: Particles, start: Option<Gaussian<3>>) {
         let belief = &mut self.belief;
         *belief.filter.particles_mut() = cloud;
-        (self.path, belief.has_seen, belief.is_anywhere) = (None, false, is_anywhere);
+        (self.path, self.start) = (None, start);
+        (belief.has_seen, belief.is_anywhere) = (false, start.is_none());
         belief.updates_since_resampling = 0;
         belief.suspicion.iter_mut().for_each(Suspicion::clear);
         belief.augmented.iter_mut().for_each(AugmentedMcl::reset);

@@ -4,6 +4,7 @@ use super::Mcl;
 use crate::motion::DrivenPath;
 use crate::recovery::{AugmentedMcl, Suspicion};
 use crate::{Error, Particles, Result};
+use loc_core::Gaussian;
 use loc_core::random::ChaCha8Rng;
 
 /// Everything that changes while an [`Mcl`] runs: cloud, randomness, averages, and the way since
@@ -14,6 +15,7 @@ pub struct MclState {
     particles: Particles,
     rng: ChaCha8Rng,
     path: Option<DrivenPath>,
+    start: Option<Gaussian<3>>,
     has_seen: bool,
     is_anywhere: bool,
     updates_since_resampling: usize,
@@ -29,6 +31,7 @@ impl Mcl {
             particles: belief.filter.particles().clone(),
             rng: belief.filter.rng().clone(),
             path: self.path,
+            start: self.start,
             has_seen: belief.has_seen,
             is_anywhere: belief.is_anywhere,
             updates_since_resampling: belief.updates_since_resampling,
@@ -51,7 +54,8 @@ impl Mcl {
         let belief = &mut self.belief;
         *belief.filter.particles_mut() = state.particles;
         *belief.filter.rng_mut() = state.rng;
-        (self.path, belief.has_seen) = (state.path, state.has_seen);
+        (self.path, self.start) = (state.path, state.start);
+        belief.has_seen = state.has_seen;
         belief.is_anywhere = state.is_anywhere;
         belief.updates_since_resampling = state.updates_since_resampling;
         (belief.suspicion, belief.augmented) = (state.suspicion, state.augmented);

@@ -80,7 +80,11 @@ impl Mcl {
 
     fn take_in(&mut self, scans: &[MountedScan<'_>]) -> Result<UpdateReport> {
         let path = self.path.unwrap_or(DrivenPath::starting_at(Pose2::IDENTITY));
-        let step = Step::new(&path, &self.settings.motion)?;
+        let motion = &self.settings.motion;
+        let step = match self.start.take() {
+            Some(belief) => Step::from_start(&path, &belief, &motion.path_noise()),
+            None => Step::new(&path, motion)?,
+        };
         self.path = Some(DrivenPath::starting_at(path.end()));
         let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
         let beams = self.familiar(&step, scans, beams)?;

@@ -52,6 +52,11 @@ pub struct PathNoise {
     /// Standard deviation of the position after turning by 1 rad \[m\]: the point that odometry
     /// tracks is not quite the one it turns about.
     pub pivot: f64,
+    /// Standard deviation of the position that every update has, however short its way \[m\]: it
+    /// keeps particles apart.
+    pub least_position: f64,
+    /// The same for the heading \[rad\].
+    pub least_heading: f64,
     /// Probability that odometry fails in a step: slip, a push, a wrong count.
     pub fault_probability: f64,
 }
@@ -64,6 +69,8 @@ impl Default for PathNoise {
             drift: 3_f64.to_radians(),
             turn: 5_f64.to_radians(),
             pivot: 0.05,
+            least_position: 0.005,
+            least_heading: 0.2_f64.to_radians(),
             fault_probability: 0.1,
         }
     }
@@ -80,6 +87,8 @@ impl PathNoise {
         non_negative("drift of the heading [rad]", self.drift)?;
         non_negative("noise of turning [rad]", self.turn)?;
         non_negative("noise of the pivot [m]", self.pivot)?;
+        non_negative("least noise of the position [m]", self.least_position)?;
+        non_negative("least noise of the heading [rad]", self.least_heading)?;
         probability("probability of an odometry fault", self.fault_probability)?;
         Ok(())
     }
@@ -129,7 +138,9 @@ impl DrivenPath {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoisyStep {
     step: Pose2,
-    /// Standard deviations along, across, of the heading.
+    /// Variances along, across, of the heading that the way causes.
+    variances: [f64; 3],
+    /// Standard deviations of what particles are moved by.
     sigmas: [f64; 3],
     faulty_sigmas: [f64; 3],
     /// Odometry has failed where the fourth number lies above this.
@@ -143,20 +154,23 @@ impl NoisyStep {
         let along = noise.along.powi(2) * path.length + pivot;
         let across = noise.across.powi(2) * path.length + pivot;
         let heading = noise.drift.powi(2) * path.length + noise.turn.powi(2) * path.turned;
+        let variances = [along, across, heading];
+        let least = [noise.least_position, noise.least_position, noise.least_heading];
+        let sigma = |k: usize, more: f64| (variances[k] + least[k].powi(2) + more.powi(2)).sqrt();
         // A failed odometry is off by about what it reports.
-        let faulty_along = along + path.length.powi(2);
-        let faulty_across = across + (0.3 * path.length).powi(2);
-        let faulty_heading = heading + (0.3 * path.turned + 0.1 * path.length).powi(2);
+        let (way, turn) = (path.length, 0.3 * path.turned + 0.1 * path.length);
         let quantile = Normal::STANDARD.quantile(1.0 - noise.fault_probability);
         NoisyStep {
             step: path.step(),
-            sigmas: [along, across, heading].map(f64::sqrt),
-            faulty_sigmas: [faulty_along, faulty_across, faulty_heading].map(f64::sqrt),
+            variances,
+            sigmas: [sigma(0, 0.0), sigma(1, 0.0), sigma(2, 0.0)],
+            faulty_sigmas: [sigma(0, way), sigma(1, 0.3 * way), sigma(2, turn)],
             fault_above: quantile.unwrap_or(f64::INFINITY),
         }
     }
 
-    /// A belief carried along by the step to first order (E6), faults of the odometry left aside.
+    /// A belief carried along by the step to first order (E6), faults of the odometry and the least
+    /// noise left aside.
     pub fn belief_after(&self, belief: &Gaussian<3>) -> Gaussian<3> {
         let pose = belief.pose();
         let after = pose * self.step;
@@ -164,7 +178,7 @@ impl NoisyStep {
         let (sin, cos) = pose.theta.sin_cos();
         let by_pose = Matrix3::new(1.0, 0.0, -dy, 0.0, 1.0, dx, 0.0, 0.0, 1.0);
         let by_noise = Matrix3::new(cos, -sin, -0.5 * dy, sin, cos, 0.5 * dx, 0.0, 0.0, 1.0);
-        let variances = Matrix3::from_diagonal(&Vector3::from(self.sigmas.map(|s| s * s)));
+        let variances = Matrix3::from_diagonal(&Vector3::from(self.variances));
         let covariance = by_pose * belief.covariance * by_pose.transpose()
             + by_noise * variances * by_noise.transpose();
         Gaussian { mean: after.to_vector(), covariance }

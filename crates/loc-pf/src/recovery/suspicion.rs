@@ -128,7 +128,7 @@ impl Suspicion {
     ///
     /// A search that finds nothing better makes the next one wait, longer from time to time.
     pub fn judge(&mut self, log_evidence_elsewhere: f64, log_evidence: f64) -> f64 {
-        let prior = self.settings.alarm.max(self.settings.rate);
+        let prior = self.settings.rate;
         let odds = (prior / (1.0 - prior)).ln() + log_evidence_elsewhere - log_evidence;
         self.log_odds = if odds.is_nan() { -SUREST } else { odds.clamp(-SUREST, SUREST) };
         let probability = self.probability();

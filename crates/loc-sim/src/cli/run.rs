@@ -39,11 +39,15 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
         return super::print(text.trim_end());
     }
     let changes = &args.output.changes;
-    let scenario = if is_file {
+    let mut scenario = if is_file {
         Scenario::read(Path::new(name), changes)?
     } else {
         Scenario::named(name, changes)?
     };
+    if let Some(threads) = global.threads {
+        let filter = scenario.filter.get_or_insert_default();
+        (filter.mcl.threads, filter.landmark_mcl.threads) = (threads, Some(threads));
+    }
     let seed = args.seed.unwrap_or(scenario.seed);
     if let Some(illustration) = scenario.illustrate(seed)? {
         return show_illustration(&illustration, &scenario, &args.output, global);

@@ -18,7 +18,7 @@ pub mod recording;
 
 pub use filter::FilterConfig;
 pub use landmark_mcl::LandmarkMclConfig;
-pub use recording::RecordingConfig;
+pub use recording::{RecordingConfig, StartConfig};
 
 use crate::demonstration::DemonstrationConfig;
 use crate::localizer::{Method, MethodSettings};

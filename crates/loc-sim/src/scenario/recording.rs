@@ -139,8 +139,7 @@ impl RecordingConfig {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
     pub fn settings(&self) -> Result<MethodSettings> {
-        let landmark = self.filter.apply(LandmarkSettings::default())?;
-        Ok(MethodSettings { landmark, ..MethodSettings::default() })
+        self.filter.methods(LandmarkSettings::default())
     }
 }
 

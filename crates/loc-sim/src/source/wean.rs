@@ -10,7 +10,7 @@
 //! use loc_sim::source::wean::WeanLog;
 //! let ranges = vec!["150"; 179].join(" ");
 //! let text = format!("O 100 0 0 0.1\nL 100 0 0 125 0 0 {ranges} 8183 0.2\n");
-//! let log = WeanLog::parse("demo.log", text.as_bytes()).laser_log()?;
+//! let log = WeanLog::parse("demo.log", std::io::Cursor::new(text)).laser_log()?;
 //! let What::Scan(scan) = &log.entries[1].what else { panic!("a scan") };
 //! assert_eq!((scan.odometry.x, scan.mounting.x), (1.0, 0.25));
 //! assert_eq!((scan.scan.ranges[0], scan.scan.ranges[179]), (1.5, f64::INFINITY));

@@ -6,6 +6,8 @@ mod carmen;
 mod cli;
 mod consistency;
 #[cfg(feature = "cli")]
+mod convergence;
+#[cfg(feature = "cli")]
 mod eval;
 mod evo;
 mod figures;
@@ -16,8 +18,12 @@ mod layering;
 mod map;
 mod metrics;
 mod mrclam;
+mod nav2;
 mod particles;
 mod recordings;
+#[cfg(feature = "cli")]
+mod replay;
 mod scenarios;
 mod sense;
 mod tour;
+mod wean;

@@ -1,36 +1,30 @@
 //! Replays of recordings with a laser.
 
-use super::{Format, Replay, ReplayArgs};
-use crate::localizer::Method;
-use crate::scenario::{RecordingConfig, recording};
+use super::{Format, Replay, ReplayArgs, SEED};
+use crate::localizer::{Method, MethodSettings};
+use crate::nav2::AmclParameters;
+use crate::scenario::{RecordingConfig, StartConfig, recording};
 use crate::source::LaserRecording;
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{Reference, ReplayOptions, Start};
 use crate::source::wean::WeanLog;
+use crate::{Result, config};
 use loc_core::Pose2;
 use loc_maps::grid::io;
 use std::path::Path;
 use std::sync::Arc;
 
 pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::Result<Replay> {
-    let changes = &args.output.changes;
-    let config = match &args.config {
-        Some(file) => RecordingConfig::read(file, changes)?,
-        None => RecordingConfig::parse("settings for lasers", recording::LASER, changes)?,
-    };
-    let start = match &args.initial_pose {
-        Some(text) => Start::At(parse_pose(text)?),
-        None if args.global_start || config.filter.global => Start::Anywhere,
-        None => Start::Reference,
-    };
-    let options = ReplayOptions {
-        map: args.map.as_ref().map(io::load).transpose()?.map(Arc::new),
-        scans: args.scans,
-        start,
-        start_sigmas: config.start.sigmas()?,
-        kidnap: args.kidnap,
-        reference: args.reference.as_deref().map(Reference::read).transpose()?,
-    };
+    let (settings, mut options) = configuration(args)?;
+    if let Some(text) = &args.initial_pose {
+        options.start = Start::At(parse_pose(text)?);
+    } else if args.global_start || settings.global {
+        options.start = Start::Anywhere;
+    }
+    options.map = args.map.as_ref().map(io::load).transpose()?.map(Arc::new);
+    options.scans = args.scans;
+    options.kidnap = args.kidnap;
+    options.reference = args.reference.as_deref().map(Reference::read).transpose()?;
     let log = match format {
         Format::Wean => WeanLog::open(log)?.laser_log()?,
         _ => CarmenLog::open(log)?.laser_log()?,
@@ -40,17 +34,63 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
     let odometry = source.start_is_known().then_some(Method::DeadReckoning);
     Ok(Replay {
         source: Box::new(source),
-        settings: config.settings()?,
+        settings,
         methods: odometry.into_iter().chain([Method::Mcl]).collect(),
     })
 }
 
-fn parse_pose(text: &str) -> crate::Result<Pose2> {
+/// What the configuration says, TOML or the parameters of nav2_amcl.
+fn configuration(args: &ReplayArgs) -> Result<(MethodSettings, ReplayOptions)> {
+    let changes = &args.output.changes;
+    let config = match &args.config {
+        Some(file) if is_yaml(file) => return parameters(file, changes),
+        Some(file) => RecordingConfig::read(file, changes)?,
+        None => RecordingConfig::parse("settings for lasers", recording::LASER, changes)?,
+    };
+    let start_sigmas = config.start.sigmas()?;
+    let settings = MethodSettings { seed: SEED, ..config.settings()? };
+    Ok((settings, ReplayOptions { start_sigmas, ..ReplayOptions::default() }))
+}
+
+/// What a parameter file of nav2_amcl says, with changes of the keys that a TOML file has.
+fn parameters(file: &Path, changes: &[String]) -> Result<(MethodSettings, ReplayOptions)> {
+    let given = AmclParameters::read(file)?;
+    for warning in &given.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let below = |prefix: &str| -> Vec<String> {
+        changes.iter().filter_map(|c| c.strip_prefix(prefix)).map(str::to_owned).collect()
+    };
+    let (of_mcl, of_start) = (below("filter.mcl."), below("start."));
+    if of_mcl.len() + of_start.len() < changes.len() {
+        let expected = "keys below filter.mcl or start beside a parameter file";
+        return Err(config::field("--set", expected, &changes.join(" ")));
+    }
+    let name = file.display().to_string();
+    let mcl = config::changed(&name, given.mcl, &of_mcl)?;
+    mcl.validate()?;
+    let sigmas = config::changed(&name, StartConfig::default(), &of_start)?.sigmas()?;
+    let [x, y, yaw] = given.start_sigmas;
+    let options = ReplayOptions {
+        start: given.start.map_or(Start::Reference, Start::At),
+        start_sigmas: [x.unwrap_or(sigmas[0]), y.unwrap_or(sigmas[1]), yaw.unwrap_or(sigmas[2])],
+        ..ReplayOptions::default()
+    };
+    let seed = given.seed.unwrap_or(SEED);
+    Ok((MethodSettings { mcl, seed, ..MethodSettings::default() }, options))
+}
+
+fn is_yaml(file: &Path) -> bool {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    ending.is_some_and(|ending| ending == "yaml" || ending == "yml")
+}
+
+fn parse_pose(text: &str) -> Result<Pose2> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     match numbers.as_deref() {
         Ok(&[x, y, yaw]) if x.is_finite() && y.is_finite() && yaw.is_finite() => {
             Ok(Pose2::new(x, y, yaw))
         }
-        _ => Err(crate::config::field("--initial-pose", "three finite numbers x,y,yaw", text)),
+        _ => Err(config::field("--initial-pose", "three finite numbers x,y,yaw", text)),
     }
 }

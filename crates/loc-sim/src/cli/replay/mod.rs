@@ -52,10 +52,11 @@ pub struct ReplayArgs {
     /// A TUM or CSV file of poses in the map to judge by, in place of those of the log.
     #[arg(long, value_name = "FILE")]
     pub reference: Option<PathBuf>,
-    /// Seed of the methods that draw random numbers.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-    /// A TOML file with calibration and settings; what suits the format where left out.
+    /// Seed of the methods that draw random numbers; 1 where nothing says otherwise.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// A TOML file with calibration and settings, or a parameter file of nav2_amcl (.yaml); what
+    /// suits the format where left out.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
     /// Print the settings that suit the format as TOML instead of running.
@@ -65,6 +66,9 @@ pub struct ReplayArgs {
     #[command(flatten)]
     pub output: OutputArgs,
 }
+
+/// Seed where nothing else says one.
+const SEED: u64 = 1;
 
 /// A recording, ready to be run.
 struct Replay {
@@ -86,10 +90,11 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
         Format::Mrclam => mrclam::prepare(args, log)?,
         Format::Carmen | Format::Wean => laser::prepare(args, log, format)?,
     };
-    replay.settings.seed = args.seed;
+    replay.settings.seed = args.seed.unwrap_or(replay.settings.seed);
     replay.settings.global |= args.global_start;
     if let Some(threads) = global.threads {
         replay.settings.mcl.threads = threads;
+        replay.settings.landmark_mcl.threads = threads;
     }
     let methods = match args.output.methods.as_slice() {
         [] => replay.methods.as_slice(),
@@ -104,7 +109,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
         run: &run,
         name: &name,
         title: &run.setup.name,
-        seed: methods.iter().any(|method| method.draws()).then_some(args.seed),
+        seed: methods.iter().any(|method| method.draws()).then_some(replay.settings.seed),
         also_in_frame: None,
     };
     show(&finished, &args.output, global)

@@ -1,7 +1,7 @@
 //! Replays of MRCLAM recordings.
 
-use super::{Replay, ReplayArgs, refuse};
-use crate::localizer::Method;
+use super::{Replay, ReplayArgs, SEED, refuse};
+use crate::localizer::{Method, MethodSettings};
 use crate::scenario::{RecordingConfig, recording};
 use crate::source::laser_log::Scans;
 use crate::source::{Calibrated, Mrclam};
@@ -12,7 +12,6 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path) -> anyhow::Result<Replay> {
         ("--map", args.map.is_some()),
         ("--scans", args.scans != Scans::All),
         ("--initial-pose", args.initial_pose.is_some()),
-        ("--global", args.global_start),
         ("--kidnap", args.kidnap.is_some()),
         ("--reference", args.reference.is_some()),
     ];
@@ -27,7 +26,7 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path) -> anyhow::Result<Replay> {
         Calibrated::new(source, config.odometry_calibration(), config.camera_calibration())?;
     Ok(Replay {
         source: Box::new(source),
-        settings: config.settings()?,
+        settings: MethodSettings { seed: SEED, ..config.settings()? },
         methods: vec![Method::DeadReckoning, Method::Ekf],
     })
 }

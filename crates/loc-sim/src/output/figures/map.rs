@@ -112,9 +112,12 @@ fn kidnapping(run: &Run, scene: Scene) -> Scene {
     if places.is_empty() { scene } else { scene.crosses(Role::Measurement, "kidnapping", places) }
 }
 
-/// Diagonal of the box around the true path \[m\].
+/// Diagonal of the box around the true path \[m\]; without one, around what the last method
+/// believes.
 fn extent(run: &Run) -> f64 {
-    let poses = || run.truth.iter().map(|truth| truth.value.pose);
+    let last = run.methods.last().filter(|_| run.truth.is_empty());
+    let believed = || last.into_iter().flat_map(|record| &record.estimates).map(|e| e.pose);
+    let poses = || run.truth.iter().map(|truth| truth.value.pose).chain(believed());
     let span = |of: fn(&Pose2) -> f64| {
         let values = || poses().map(|pose| of(&pose));
         values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
