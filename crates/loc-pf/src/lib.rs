@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod adaptive;
+pub mod confidence;
 mod elementary;
 mod error;
 pub mod estimate;

@@ -13,6 +13,7 @@ mod clusters;
 mod landmark;
 mod landmark_mcl;
 mod likelihood_field;
+mod lost;
 mod moments;
 mod motion;
 mod normals;

@@ -1,0 +1,128 @@
+//! How well a scan fits a pose, compared with other poses.
+
+use crate::Particles;
+use crate::free_space::FreeSpace;
+use crate::mcl::MountedScan;
+use loc_core::Pose2;
+use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
+use loc_maps::{LikelihoodField, OccupancyGrid, RayCaster};
+use loc_sensors::laser::Beam;
+use loc_sensors::world::RangeWorld;
+use rand::Rng;
+
+/// What a scan says for and against the reported pose; all numbers are shares in \[0, 1\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScanFit<'a> {
+    /// What the map explains of the scan at the reported pose: 1 where every beam ends on an
+    /// obstacle, 0 where all end far from any, by the mean logarithm of their likelihoods.
+    pub here: f64,
+    /// The same at random poses of the free space.
+    pub elsewhere: &'a [f64],
+    /// Beams that a wall of the map would have stopped well before they ended
+    /// ([`ScanRater::BEHIND`]). People and new furniture make beams shorter, never longer.
+    pub blocked: f64,
+    /// Beams that end near an obstacle but not on it ([`ScanRater::NEAR`]). People stand anywhere,
+    /// a wrong pose is often wrong by a little.
+    pub near: f64,
+}
+
+/// Where fewer than this share is left to explain, a margin is not measurable.
+const LEAST_ROOM: f64 = 0.05;
+
+impl ScanFit<'_> {
+    /// How much better the scan fits here than at the best of the other poses, as a share of what
+    /// is left to explain at their mean.
+    pub(super) fn margin(&self) -> f64 {
+        let count = self.elsewhere.len().max(1) as f64;
+        let mean = self.elsewhere.iter().sum::<f64>() / count;
+        let best = self.elsewhere.iter().copied().fold(mean, f64::max);
+        (self.here - best) / (1.0 - mean).max(LEAST_ROOM)
+    }
+}
+
+/// Rates scans at the reported pose and at random poses of the map's free space.
+///
+/// It has a likelihood field of its own, so that the figure means the same whatever model the
+/// filter uses: one byte and two bits for each cell of the map. The random poses stay the same
+/// from scan to scan, as it is their distribution that counts.
+#[derive(Debug, Clone)]
+pub struct ScanRater {
+    walls: RayCaster,
+    field: LikelihoodField,
+    /// The random poses, and one more place for the reported one.
+    poses: Particles,
+    shares: Vec<f64>,
+}
+
+impl ScanRater {
+    /// Random poses that a scan is rated at.
+    pub const POSES: usize = 64;
+
+    /// The most beams of a scan that are looked at.
+    pub const BEAMS: usize = 60;
+
+    /// A beam counts as blocked when it ends this far behind a wall \[m\].
+    pub const BEHIND: f64 = 0.5;
+
+    /// A beam counts as near when it ends at such a distance from the nearest obstacle \[m\].
+    pub const NEAR: [f64; 2] = [0.2, 0.5];
+
+    /// A rater for scans taken in a map.
+    ///
+    /// # Errors
+    /// [`crate::Error::NoFreeSpace`] for a map without free cells.
+    pub fn new<R: Rng + ?Sized>(map: &OccupancyGrid, rng: &mut R) -> crate::Result<Self> {
+        let free_space = FreeSpace::new(map)?;
+        let draw = |_| free_space.draw(rng);
+        let mut poses = Particles::from_poses((0..Self::POSES).map(draw));
+        poses.push(Pose2::IDENTITY, 0.0);
+        let field = LikelihoodField::new(map, &LikelihoodFieldSettings::default())?;
+        Ok(ScanRater { walls: RayCaster::new(map), field, poses, shares: Vec::new() })
+    }
+
+    /// Rates what the lasers measured together; `None` where they measured nothing.
+    pub fn rate(&mut self, reported: Pose2, scans: &[MountedScan<'_>]) -> Option<ScanFit<'_>> {
+        let mut beams = Vec::new();
+        for &MountedScan { scan, mounting } in scans {
+            beams.extend(scan.thinned(Self::BEAMS).into_iter().map(|beam| (mounting, beam)));
+        }
+        let end = |&(mounting, beam): &(Pose2, Beam)| mounting.transform(&beam.point()).coords;
+        let endpoints: Endpoints = beams.iter().map(|beam| <[f64; 2]>::from(end(beam))).collect();
+        let blocked = beams.iter().filter(|beam| self.is_blocked(reported, beam)).count();
+        let [on, around] = Self::NEAR.map(|distance| self.ends(distance, reported, &endpoints));
+        self.explain(reported, &endpoints);
+
+        let share = |count: usize| count as f64 / beams.len() as f64;
+        let (here, elsewhere) = self.shares.split_last()?;
+        let (blocked, near) = (share(blocked), share(around.saturating_sub(on)));
+        here.is_finite().then_some(ScanFit { here: *here, elsewhere, blocked, near })
+    }
+
+    fn is_blocked(&self, reported: Pose2, &(mounting, beam): &(Pose2, Beam)) -> bool {
+        let laser = reported * mounting;
+        let free = beam.range - Self::BEHIND;
+        self.walls.cast(&laser.position(), laser.theta + beam.angle, free).is_some()
+    }
+
+    /// How many beams end at most `distance` \[m\] from an obstacle.
+    fn ends(&self, distance: f64, reported: Pose2, endpoints: &Endpoints) -> usize {
+        let Pose2 { x, y, theta } = reported;
+        let hits = self.field.hits(distance, [&[x], &[y], &[theta]], endpoints);
+        hits.into_iter().map(|hits| hits as usize).sum()
+    }
+
+    /// Fills `shares` with what is explained at each of the poses, the reported one last.
+    fn explain(&mut self, reported: Pose2, endpoints: &Endpoints) {
+        self.poses.set_pose(self.poses.len() - 1, reported);
+        self.shares.clear();
+        self.shares.resize(self.poses.len(), 0.0);
+        let poses = self.poses.poses();
+        self.field.log_likelihoods([poses.x, poses.y, poses.theta], endpoints, &mut self.shares);
+        let settings = self.field.settings();
+        let nearest = settings.likelihood(0.0).ln();
+        let farthest = settings.likelihood(settings.max_distance).ln();
+        for share in &mut self.shares {
+            *share = (*share / endpoints.len() as f64 - farthest) / (nearest - farthest);
+        }
+    }
+}
