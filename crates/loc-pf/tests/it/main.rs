@@ -9,6 +9,9 @@ fn fnv1a(words: impl Iterator<Item = u64>) -> u64 {
 mod adaptive;
 mod beam;
 mod clusters;
+mod global;
+mod global_intel;
+mod global_places;
 mod landmark;
 mod landmark_mcl;
 mod likelihood_field;
