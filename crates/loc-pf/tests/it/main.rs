@@ -10,6 +10,7 @@ mod adaptive;
 mod beam;
 mod clusters;
 mod global;
+mod global_input;
 mod global_intel;
 mod global_places;
 mod landmark;
