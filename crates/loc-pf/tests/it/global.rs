@@ -164,6 +164,27 @@ fn ties_are_broken_as_by_brute_force() {
     }
 }
 
+/// Many small searches: equal sums on both sides of a lot of windows, and zones that hold whole
+/// windows.
+#[test]
+fn lots_and_zones_lose_nothing() {
+    let mut rng = stream(6, "global");
+    for round in 0..120 {
+        let map = random_map([36, 50], &mut rng);
+        let field = LikelihoodFieldSettings { max_distance: 0.4, ..Default::default() };
+        let field = LikelihoodField::new(&map, &field).unwrap();
+        let endpoints = random_ends(2 + round % 5, 2.0, &mut rng);
+        let settings = SearchSettings {
+            angle_step: 45_f64.to_radians(),
+            separation_distance: [0.35, 2.45][round % 2],
+            separation_angle: 60_f64.to_radians(),
+            within: 3.0,
+            ..settings(12)
+        };
+        check(&map, &field, &endpoints, &settings);
+    }
+}
+
 /// 300 beams do not fit into sums of 16 bits, 70000 not into bounds of that size without loss.
 #[test]
 fn many_beams_do_not_overflow() {
