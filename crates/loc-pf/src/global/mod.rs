@@ -20,8 +20,20 @@
 //! side. Refinement comes after, and can change the order.
 //!
 //! How long it takes depends on the scan. One that fits the map somewhere rules out nearly all
-//! squares by their bounds; one that fits nowhere takes ten times as long, and still ends with the
-//! best.
+//! squares by their bounds, which themselves take most of the time (0.1 s for 180 beams on 2000 x
+//! 2000 cells at 360 headings). With a fifth of the beams cut short it takes about twice as long,
+//! with half of them twenty times. It ends with the best all the same.
+//!
+//! The best is not always the right one: the field knows where beams end, not what they pass
+//! through, so a scan of which much is wrong may fit a cluttered corner better than its own place.
+//! A narrow field that ignores the inside of walls helps. In a simulated office, with 90 beams over
+//! 270 deg of which a fifth ended too early, the best was right in 29 of 40 places with the field's
+//! default settings, in 36 with [`Obstacles::Surfaces`], and in 40 with that and a `sigma_hit` of
+//! two cells. Several scans ([`GlobalSearch::search_many`]) help as well: in the Intel lab, on
+//! scans that were not used for the map, the best was within 0.3 m and 5 deg in 451 of
+//! 455 places by one scan of 180 beams, in 454 of 454 by two and in 453 of 453 by three.
+//!
+//! [`Obstacles::Surfaces`]: loc_maps::likelihood_field::Obstacles::Surfaces
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -120,8 +132,8 @@ impl GlobalSearch {
         &self.field
     }
 
-    /// Memory of the levels and the field \[bytes\]: about 12 a cell. A search takes two more for
-    /// each heading and 16 x 16 cells (360 headings: 3 a cell of the map).
+    /// Memory of the levels and the field \[bytes\]: about 13 a cell of the map. A search
+    /// takes two more for each heading and 16 x 16 cells (360 headings: 3 a cell).
     pub fn bytes(&self) -> usize {
         self.pyramid.bytes() + self.field.bytes()
     }
