@@ -92,6 +92,11 @@ impl ParticleFilter {
         self.particles.len()
     }
 
+    /// The cloud before the last resampling, with its weights; empty before the first.
+    pub fn resampled_from(&self) -> &Particles {
+        &self.spare
+    }
+
     fn copy_drawn(&mut self) {
         std::mem::swap(&mut self.particles, &mut self.spare);
         self.particles.copy_selected(&self.spare, &self.indices);

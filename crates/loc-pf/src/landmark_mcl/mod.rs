@@ -73,6 +73,8 @@ struct State {
     fit: Fit,
     /// Whether the cloud lies anywhere and waits for its first sighting.
     anywhere: bool,
+    /// Whether the last sightings made it draw a new cloud.
+    resampled: bool,
 }
 
 /// The filter as it was at some time.
@@ -134,7 +136,7 @@ impl LandmarkMcl {
         let mut filter = ParticleFilter::new(Particles::new(), rng).with_workers(workers);
         *filter.particles_mut() = update::scattered(&region, settings.particles, filter.rng_mut());
         let belief = moments(filter.particles());
-        let state = State { stamp, belief, fit: Fit::default(), anywhere: true };
+        let state = State { stamp, belief, fit: Fit::default(), anywhere: true, resampled: false };
         let (velocities, past) = (Velocities::default(), VecDeque::new());
         Ok(LandmarkMcl { map, settings, region, filter, state, velocities, past })
     }
@@ -148,7 +150,8 @@ impl LandmarkMcl {
         let count = self.settings.particles;
         *self.filter.particles_mut() =
             Particles::from_gaussian(&start, count, self.filter.rng_mut());
-        self.state = State { belief: start, fit: Fit::default(), anywhere: false, ..self.state };
+        let (fit, anywhere, resampled) = (Fit::default(), false, false);
+        self.state = State { belief: start, fit, anywhere, resampled, ..self.state };
         self.past.clear();
         Ok(())
     }
@@ -208,6 +211,11 @@ impl LandmarkMcl {
     /// The cloud, at the time of the last sighting.
     pub fn particles(&self) -> &Particles {
         self.filter.particles()
+    }
+
+    /// The cloud as the last sightings weighed it, if it was resampled then.
+    pub fn weighed(&self) -> Option<&Particles> {
+        self.state.resampled.then(|| self.filter.resampled_from())
     }
 
     /// How well sightings fit, as shares of what they would without errors: in the long run and of

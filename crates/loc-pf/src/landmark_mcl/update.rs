@@ -70,6 +70,7 @@ impl LandmarkMcl {
     pub(super) fn take_in(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<SightingUpdate> {
         let likelihood = LandmarkLikelihood::new(&self.map, sightings, &self.settings.sights)?;
         self.drive_to(stamp);
+        self.state.resampled = false;
         if likelihood.is_empty() {
             return Ok(SightingUpdate {
                 trust: likelihood.trust(self.state.belief.pose()).collect(),
@@ -91,6 +92,7 @@ impl LandmarkMcl {
             replaced > 0 || effective_sample_size < self.settings.resample_below * count;
         if resampled {
             self.resample(&likelihood, replaced);
+            self.state.resampled = true;
         }
         Ok(SightingUpdate { trust, effective_sample_size, resampled, replaced })
     }
