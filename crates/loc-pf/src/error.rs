@@ -18,6 +18,9 @@ pub enum Error {
         /// Rows of the map.
         height: usize,
     },
+    /// A likelihood field was not made from the map that it came with.
+    #[error("likelihood field: expected one with size, resolution and origin of the map")]
+    OtherFrame,
     /// An input belongs to a time so far back that the filter has forgotten it.
     #[error(
         "{what} at {stamp} s: expected at most {horizon} s before {newest} s, the newest input"
@@ -31,6 +34,14 @@ pub enum Error {
         newest: f64,
         /// How far back the filter remembers \[s\].
         horizon: f64,
+    },
+    /// A start pose that is not on the map.
+    #[error("start pose: expected one on the map, got x = {x} m, y = {y} m")]
+    OffMap {
+        /// Where it is \[m\].
+        x: f64,
+        /// Where it is \[m\].
+        y: f64,
     },
     /// The system started no threads.
     #[error("{threads} threads: {reason}")]

@@ -57,6 +57,11 @@ impl ParticleFilter {
     }
 
     /// The generator that the filter draws from.
+    pub fn rng(&self) -> &ChaCha8Rng {
+        &self.rng
+    }
+
+    /// The generator that the filter draws from, to draw from it as well.
     pub fn rng_mut(&mut self) -> &mut ChaCha8Rng {
         &mut self.rng
     }
@@ -95,6 +100,14 @@ impl ParticleFilter {
     /// The cloud before the last resampling, with its weights; empty before the first.
     pub fn resampled_from(&self) -> &Particles {
         &self.spare
+    }
+
+    /// How many particles the spread of the cloud asks for.
+    pub fn count_needed(&mut self, kld: &mut Kld) -> usize {
+        self.wheel.set(self.particles.log_weights());
+        let (poses, scheme) = (self.particles.poses(), Resampling::Systematic);
+        kld.draw(scheme, &self.wheel, poses, &mut self.rng, &mut self.indices);
+        self.indices.len()
     }
 
     fn copy_drawn(&mut self) {

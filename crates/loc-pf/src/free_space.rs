@@ -46,6 +46,11 @@ impl FreeSpace {
         Pose2::new(at.x, at.y, PI * (2.0 * rng.random::<f64>() - 1.0))
     }
 
+    /// Whether a pose lies within the map's rectangle, free or not.
+    pub fn is_on_map(&self, pose: Pose2) -> bool {
+        self.frame.cell_at(&pose.position()).is_some()
+    }
+
     /// Whether a pose stands in a free cell.
     pub fn contains(&self, pose: Pose2) -> bool {
         let cell = self.frame.cell_at(&pose.position());

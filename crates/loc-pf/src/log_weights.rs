@@ -88,3 +88,30 @@ impl WithSimd for EffectiveSampleSize<'_> {
         sum * sum / squares
     }
 }
+
+/// Fills `weights` with the weights, the largest of them 1; all 1 where the largest is 0 or not
+/// finite.
+pub(crate) fn relative(log_weights: &[f64], weights: &mut Vec<f64>) {
+    weights.resize(log_weights.len(), 0.0);
+    Arch::new().dispatch(Relative { log_weights, weights });
+}
+
+struct Relative<'a> {
+    log_weights: &'a [f64],
+    weights: &'a mut [f64],
+}
+
+impl WithSimd for Relative<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let largest = largest(self.log_weights);
+        if !largest.is_finite() {
+            return self.weights.fill(1.0);
+        }
+        for (weight, log_weight) in self.weights.iter_mut().zip(self.log_weights) {
+            *weight = exp(log_weight - largest);
+        }
+    }
+}

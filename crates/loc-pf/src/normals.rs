@@ -3,8 +3,9 @@
 //! Moving a particle takes three draws from the normal distribution, and drawing them one by one
 //! takes longer than all the rest. [`Normals`] runs [`LANES`] generators side by side (xoshiro128++
 //! of Blackman and Vigna, 2021), seeded from one that the caller passes, and turns two even numbers
-//! of 32 bits into two normal ones by the method of Box and Muller (1958), in single precision:
-//! about 1 ns a number on a processor with 8 lanes of f32.
+//! of 32 bits into two normal ones by the method of Box and Muller (1958), in single precision.
+//! On a Zen 4 at 2.6 GHz that takes 0.4 ns a number with AVX-512, 0.6 with AVX2, 1.9 with SSE2
+//! (bench `motion`, group `normal-numbers`).
 //!
 //! What single precision costs: a number is off by at most 3e-7 of its value and none lies
 //! beyond 6.7 standard deviations (one in 5e10 should). The results are the same on every machine

@@ -154,6 +154,43 @@ impl Particles {
         (self.x[index], self.y[index], self.theta[index]) = (pose.x, pose.y, pose.theta);
     }
 
+    /// Puts `strangers` in the places of particles spread evenly over the cloud, which get the mean
+    /// weight; at most all of them.
+    pub fn replace_evenly(&mut self, strangers: &[Pose2]) {
+        let equal = -(self.len() as f64).ln();
+        let count = strangers.len().min(self.len());
+        for (number, stranger) in strangers.iter().take(count).enumerate() {
+            let index = number * self.len() / count;
+            self.set_pose(index, *stranger);
+            self.log_weight[index] = equal;
+        }
+        if count > 0 {
+            self.normalize();
+        }
+    }
+
+    /// Checks that there are as many weights as poses, poses are finite and weights no NaN: what
+    /// came from a file may be anything.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::Length`] and [`loc_core::Error::OutOfRange`].
+    pub fn check(&self) -> crate::Result<()> {
+        use loc_core::error::{finite, in_range};
+        let found = self.log_weight.len();
+        if [self.x.len(), self.y.len(), self.theta.len()] != [found; 3] {
+            let (what, expected) = ("weights of particles", "as many as poses");
+            return Err(loc_core::Error::Length { what, expected, found }.into());
+        }
+        for (pose, weight) in self.poses().iter().zip(&self.log_weight) {
+            finite("x of a particle [m]", pose.x)?;
+            finite("y of a particle [m]", pose.y)?;
+            finite("heading of a particle [rad]", pose.theta)?;
+            let allowed = |weight: f64| weight < f64::INFINITY;
+            in_range("log weight of a particle", "a number or -inf", *weight, allowed)?;
+        }
+        Ok(())
+    }
+
     /// Logarithms of the weights.
     pub fn log_weights(&self) -> &[f64] {
         &self.log_weight
@@ -180,6 +217,13 @@ impl Particles {
     /// The weights, not as logarithms.
     pub fn weights(&self) -> impl Iterator<Item = f64> + '_ {
         self.log_weight.iter().map(|weight| weight.exp())
+    }
+
+    /// Fills `relative` with all weights in units of the largest, faster than one by one from
+    /// [`weights`](Particles::weights) and without underflow; NaN counts as 0. Where none is above
+    /// 0 they count as equal.
+    pub fn relative_weights(&self, relative: &mut Vec<f64>) {
+        log_weights::relative(&self.log_weight, relative);
     }
 
     /// Gives every particle the weight 1 / M.

@@ -9,6 +9,7 @@ pub mod event;
 pub mod localizer;
 pub mod metrics;
 pub mod output;
+pub mod perceptual;
 pub mod probability_map;
 pub mod record;
 pub mod runner;

@@ -61,7 +61,7 @@ fn unknown(settings: &LikelihoodFieldSettings) -> Option<f64> {
 }
 
 /// The log-likelihood off the map.
-fn off_map(settings: &LikelihoodFieldSettings) -> f64 {
+pub(super) fn off_map(settings: &LikelihoodFieldSettings) -> f64 {
     match settings.off_map {
         OffMap::Far => settings.likelihood(settings.max_distance).ln(),
         OffMap::Likelihood(likelihood) => likelihood.ln(),

@@ -57,6 +57,12 @@ impl Tiles {
         }
     }
 
+    /// The code of a cell of the grid; of one it does not have, 0.
+    pub(super) fn get(&self, column: usize, row: usize) -> u8 {
+        let place = self.place((column + SIDE) as u32, (row + SIDE) as u32) as usize;
+        self.codes.get(self.start + place).copied().unwrap_or_default()
+    }
+
     /// The codes in the order in which places count them.
     #[inline(always)]
     pub(super) fn codes(&self) -> &[u8] {

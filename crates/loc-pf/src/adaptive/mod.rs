@@ -6,10 +6,11 @@
 //! a given confidence, no further than a given error from the belief (Kullback-Leibler distance).
 //!
 //! Fox draws the new particles one by one until there are enough, which the spoke wheel cannot do:
-//! it must know how many before it turns. [`Kld`] therefore draws twice. It looks at particles of the
-//! old cloud in proportion to their weights, in an order that covers the wheel of weights evenly at
-//! every count (multiples of the golden ratio), until there are enough; then any
-//! [`Resampling`] draws that many.
+//! it must know how many before it turns. [`Kld`] therefore draws the fewest first, which for a tight
+//! cloud are the result. Where their bins ask for more, it looks at further particles of the old
+//! cloud in proportion to their weights, in an order that covers the wheel of weights evenly at
+//! every count (multiples of the golden ratio), until there are enough; then the scheme, any
+//! [`Resampling`], draws that many anew.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};

@@ -1,7 +1,7 @@
 //! The odometry model (rot1, trans, rot2) of a differential drive.
 
-use super::Motion;
-use super::step::{Displacement, Step, angle_sigma, bounded, move_all, way_sigma};
+use super::step::{Displacement, Step, angle_sigma, bounded, move_all, moved, way_sigma};
+use super::{Motion, Transport};
 use crate::{PosesMut, Result};
 use loc_core::Pose2;
 use loc_core::error::non_negative;
@@ -83,5 +83,12 @@ impl Step for DifferentialStep {
 impl Motion for DifferentialStep {
     fn sample(&self, poses: PosesMut<'_>, rng: &mut ChaCha8Rng) {
         move_all(*self, poses, rng);
+    }
+}
+
+impl Transport for DifferentialStep {
+    /// The first three numbers stand for the noise, in the order of [`sigmas`](DifferentialStep::sigmas).
+    fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
+        moved(*self, pose, noise)
     }
 }

@@ -17,9 +17,12 @@
 //! assert_eq!(step.moved(Pose2::IDENTITY, [0.0; 4]), Pose2::new(0.5, 0.0, 0.0));
 //! ```
 
-use super::Transport;
+use super::{Motion, Transport};
+use crate::PosesMut;
 use crate::Result;
+use crate::normals::Normals;
 use loc_core::error::{non_negative, probability};
+use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Normal, Pose2};
 use nalgebra::{Matrix3, Vector3};
 
@@ -185,5 +188,21 @@ impl Transport for NoisyStep {
             self.step.theta + turn,
         );
         pose * step
+    }
+}
+
+impl Motion for NoisyStep {
+    fn sample(&self, poses: PosesMut<'_>, rng: &mut ChaCha8Rng) {
+        let mut normals = Normals::from_rng(rng);
+        let mut noise = [[0.0_f32; 4]; 16];
+        let blocks = poses.x.chunks_mut(16).zip(poses.y.chunks_mut(16));
+        for ((x, y), theta) in blocks.zip(poses.theta.chunks_mut(16)) {
+            normals.fill(noise.as_flattened_mut());
+            for (((x, y), theta), noise) in x.iter_mut().zip(y).zip(theta).zip(&noise) {
+                let pose = Pose2 { x: *x, y: *y, theta: *theta };
+                let moved = self.moved(pose, noise.map(f64::from));
+                (*x, *y, *theta) = (moved.x, moved.y, moved.theta);
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The odometry model of a drive that moves sideways as well.
 
-use super::Motion;
-use super::step::{Displacement, Step, angle_sigma, bounded, move_all, way_sigma};
+use super::step::{Displacement, Step, angle_sigma, bounded, move_all, moved, way_sigma};
+use super::{Motion, Transport};
 use crate::{PosesMut, Result};
 use loc_core::Pose2;
 use loc_core::error::non_negative;
@@ -102,5 +102,12 @@ impl Step for OmnidirectionalStep {
 impl Motion for OmnidirectionalStep {
     fn sample(&self, poses: PosesMut<'_>, rng: &mut ChaCha8Rng) {
         move_all(*self, poses, rng);
+    }
+}
+
+impl Transport for OmnidirectionalStep {
+    /// The first three numbers stand for the noise, in the order of [`sigmas`](OmnidirectionalStep::sigmas).
+    fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
+        moved(*self, pose, noise)
     }
 }

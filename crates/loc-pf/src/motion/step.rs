@@ -3,6 +3,7 @@
 use crate::elementary::{sin_cos, wrap};
 use crate::normals::{BLOCK, Normals};
 use crate::{PosesMut, Result};
+use loc_core::Pose2;
 use loc_core::error::in_range;
 use loc_core::random::ChaCha8Rng;
 use pulp::{Arch, Simd, WithSimd};
@@ -25,6 +26,18 @@ pub(super) struct Displacement {
 /// Implementations are inlined into the vectorised loop and must not branch.
 pub(super) trait Step: Copy {
     fn draw(self, noise: [f64; 3]) -> Displacement;
+}
+
+/// One pose moved by the step that given numbers stand for.
+pub(super) fn moved<S: Step>(step: S, pose: Pose2, noise: [f64; 4]) -> Pose2 {
+    let [first, second, third, _] = noise;
+    let Displacement { direction, along, across, turn } = step.draw([first, second, third]);
+    let (sin, cos) = (pose.theta + direction).sin_cos();
+    Pose2::new(
+        pose.x + along * cos - across * sin,
+        pose.y + along * sin + across * cos,
+        pose.theta + turn,
+    )
 }
 
 /// Moves every pose by a drawn step.

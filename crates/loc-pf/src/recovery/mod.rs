@@ -19,4 +19,4 @@ mod augmented;
 mod suspicion;
 
 pub use augmented::{AugmentedMcl, AugmentedSettings};
-pub use suspicion::{Suspicion, SuspicionSettings};
+pub use suspicion::{Suspicion, SuspicionSettings, UsualEvidence};

@@ -201,6 +201,12 @@ fn weights_are_normalised_as_one_by_one() {
     let total: f64 = weights.iter().sum();
     let effective = total * total / weights.iter().map(|w| w * w).sum::<f64>();
     assert!((cloud.effective_sample_size() / effective - 1.0).abs() < 1e-12);
+    let (mut relative, largest) = (vec![7.0; 3], weights.iter().copied().fold(0.0, f64::max));
+    cloud.relative_weights(&mut relative);
+    assert_eq!(relative.len(), weights.len());
+    for (ours, weight) in relative.iter().zip(&weights) {
+        assert!((ours - weight / largest).abs() < 1e-13);
+    }
     let sum = cloud.normalize();
     assert!((sum - (total.ln() - 700.0)).abs() < 1e-10, "{sum}");
     assert!((cloud.effective_sample_size() / effective - 1.0).abs() < 1e-12);
@@ -214,6 +220,9 @@ fn odd_weights_are_normalised_to_something() {
     for all in [f64::NEG_INFINITY, f64::NAN, f64::INFINITY] {
         let mut cloud = Particles::from_poses(vec![loc_core::Pose2::IDENTITY; 4]);
         cloud.log_weights_mut().fill(all);
+        let mut relative = Vec::new();
+        cloud.relative_weights(&mut relative);
+        assert_eq!(relative, [1.0; 4]);
         assert_eq!(cloud.normalize(), f64::NEG_INFINITY);
         assert!((cloud.effective_sample_size() - 4.0).abs() < 1e-12);
         cloud.log_weights_mut()[1] = f64::NAN;

@@ -1,6 +1,7 @@
 //! The command `loc-sim`: one module per subcommand.
 
 pub mod eval;
+pub mod fit_beam;
 pub mod list;
 pub mod map;
 mod progress;
@@ -46,6 +47,7 @@ enum Command {
     Eval(eval::EvalArgs),
     Map(map::MapArgs),
     Sense(sense::SenseArgs),
+    FitBeam(fit_beam::FitBeamArgs),
 }
 
 impl Cli {
@@ -62,6 +64,7 @@ impl Cli {
             Some(Command::Eval(args)) => eval::run(args, &self.global),
             Some(Command::Map(args)) => map::map(args, &self.global),
             Some(Command::Sense(args)) => sense::sense(args, &self.global),
+            Some(Command::FitBeam(args)) => fit_beam::fit_beam(args, &self.global),
         }
     }
 }

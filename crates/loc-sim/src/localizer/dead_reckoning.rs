@@ -25,7 +25,7 @@ impl DeadReckoning {
         Ok(DeadReckoning {
             velocities: LandmarkLocalizer::new(none, settings.landmark, setup.start, start)?,
             start,
-            noise: settings.mcl.motion,
+            noise: settings.mcl.motion.path_noise(),
             drive: None,
         })
     }

@@ -24,7 +24,7 @@ impl ScanMcl {
         })?;
         let mut mcl = Mcl::new(map, settings.mcl.clone(), stream(settings.seed, "mcl"))?;
         if !settings.global {
-            mcl.start_at(&setup.start_belief);
+            mcl.start_at(&setup.start_belief)?;
         }
         Ok(ScanMcl { mcl, odometry: Pose2::IDENTITY })
     }
@@ -33,6 +33,7 @@ impl ScanMcl {
 impl Localizer for ScanMcl {
     fn predict(&mut self, _stamp: f64, control: &Control) -> Result<()> {
         if let Control::Odometry(pose) = control {
+            self.mcl.odometry(*pose)?;
             self.odometry = *pose;
         }
         Ok(())
@@ -50,10 +51,7 @@ impl Localizer for ScanMcl {
     }
 
     fn estimate(&self, _stamp: f64) -> Result<Estimate> {
-        let belief = self.mcl.estimate().belief;
-        let map_from_odom = self.mcl.map_from_odom();
-        let pose = map_from_odom.map_or(belief.pose(), |frame| frame * self.odometry);
-        Ok(Estimate { pose, covariance: Some(belief.covariance), rail: None })
+        Ok(self.mcl.belief().into())
     }
 
     fn cloud(&self) -> Option<Cloud> {

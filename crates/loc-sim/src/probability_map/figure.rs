@@ -14,6 +14,8 @@ type Rgb = [u8; 3];
 const RAMP: [Rgb; 6] =
     [[252, 252, 230], [249, 211, 110], [245, 139, 42], [207, 68, 70], [132, 32, 107], [58, 9, 99]];
 const WALL: Rgb = [40, 44, 50];
+/// Radius of the ring around the robot \[m\].
+const RING: f64 = 0.4;
 const UNKNOWN: Rgb = [205, 205, 205];
 
 /// Both images, with the scan as it was taken.
@@ -47,7 +49,7 @@ fn scene(map: &ProbabilityMap, log_likelihoods: &[f64], decades: f64) -> Scene {
     Scene::new("")
         .backdrop(image(map, log_likelihoods, decades))
         .dots(Style::from(Role::Method(5)).width(1.8), "the scan", ends)
-        .poses(Role::Method(2), "robot", [map.truth])
+        .ring("robot", RING, map.truth)
 }
 
 /// Likelihoods as colours; walls dark, unknown space grey.

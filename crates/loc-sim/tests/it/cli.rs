@@ -1,5 +1,6 @@
 //! The command as its users run it.
 
+use loc_sim::scenario::builtin;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -141,11 +142,10 @@ fn mistakes_are_told_in_one_line_and_leave_nothing() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
     fs::write(folder.path().join("bad.toml"), "name = \"bad\"\nseed = -1\n").unwrap();
+    let scenarios = builtin::ALL.map(|(name, _)| name).join(", ");
+    let unknown = format!("error: scenario: expected one of {scenarios}, got `landmark-dive`\n");
     for (arguments, message) in [
-        (
-            &["run", "landmark-dive"][..],
-            "error: scenario: expected one of overview, kurt2-example, circle-drive, two-sensors, accelerated-vehicle, landmark-drive, got `landmark-dive`\n",
-        ),
+        (&["run", "landmark-dive"][..], unknown.as_str()),
         (&["run", "missing.toml"], "error: missing.toml: No such file or directory (os error 2)\n"),
         (
             &["run", "bad.toml"],
@@ -166,7 +166,7 @@ fn mistakes_are_told_in_one_line_and_leave_nothing() {
         (&["replay", "nowhere"], "error: nowhere: No such file or directory (os error 2)\n"),
         (
             &["replay", "."],
-            "error: .: expected a recording: a folder with Barcodes.dat (mrclam), got a folder without it\n",
+            "error: .: expected a recording: a folder with Barcodes.dat (mrclam), a log of ODOM and FLASER lines (carmen), or of O and L lines (wean), got a folder without it\n",
         ),
         (
             &["run", "circle-drive", "--out", "file"],
@@ -191,6 +191,19 @@ fn quiet_is_quiet_and_list_lists() {
     assert_eq!(stdout(&loc_sim(folder.path(), &["run", "two-sensors", "--quiet"])), "");
     assert!(folder.path().join("out/two-sensors/summary.json").is_file());
     let list = stdout(&loc_sim(folder.path(), &["list"]));
-    assert_eq!(list.lines().count(), 6);
+    assert_eq!(list.lines().count(), builtin::ALL.len());
     assert!(list.contains("circle-drive "));
+}
+
+/// A scenario that runs no method writes its figure and its numbers the same way.
+#[test]
+fn an_illustration_is_written_like_a_run() {
+    let folder = TempDir::new().unwrap();
+    let arguments =
+        ["run", "probability-map", "--json", "--set", "probability_map.step_m=0.5", "--out", "o"];
+    let json = stdout(&loc_sim(folder.path(), &arguments));
+    let summary: Value = serde_json::from_str(&json).unwrap();
+    assert!(summary["error_m"].is_f64() && summary["beams"] == 60);
+    let expected = ["probability.svg", "report.html", "summary.json"];
+    assert_eq!(entries(&folder.path().join("o")), expected);
 }

@@ -5,15 +5,21 @@ mod carmen;
 #[cfg(feature = "cli")]
 mod cli;
 mod consistency;
+mod demonstration;
 #[cfg(feature = "cli")]
 mod eval;
 mod evo;
 mod figures;
+#[cfg(feature = "cli")]
+mod fit_beam;
+mod landmark_mcl;
 mod layering;
 #[cfg(feature = "cli")]
 mod map;
 mod metrics;
 mod mrclam;
+mod particles;
 mod recordings;
 mod scenarios;
 mod sense;
+mod tour;

@@ -3,8 +3,8 @@
 //! For a pose one casts every beam in the map and compares what it should measure with what it
 //! did. A range may be the expected one with a little noise (hit), shorter because somebody
 //! stands in the way (short), missing (max), or anything (random); [`BeamModel`] weighs these four
-//! against each other. Beams that see nothing tell something too: that there is no wall near. That
-//! is what the likelihood field cannot do, and what makes it several times faster.
+//! against each other. Beams that see nothing tell something too: that there is no wall near. The
+//! likelihood field, which casts no rays and is faster for it, cannot know that.
 //!
 //! [`BeamLikelihood`] holds a scan against a map, from the place of the *laser* on the robot.
 //!

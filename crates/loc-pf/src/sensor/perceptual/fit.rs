@@ -40,7 +40,6 @@ pub struct FitReport {
 ///
 /// `start` also says the longest range; the form of the model is always the mixture. Shares below
 /// 0.01 start from there. `sigma_hit` does not go below 1 mm, nor `lambda_short` below 1e-4 / m.
-/// About 0.1 us a pair and step.
 ///
 /// # Errors
 /// [`loc_core::Error::Length`] for fewer than 100 pairs with both ranges in reach; pairs that are

@@ -12,7 +12,6 @@ const MOST_BINS: f64 = 4096.0;
 /// Both axes have bins of the same width from 0 to the longest range, and one more for no return.
 /// Four bytes for each pair of bins.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PerceptualHistogram {
     max_range: f64,
     bins: usize,

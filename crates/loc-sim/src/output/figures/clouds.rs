@@ -6,14 +6,16 @@ use crate::localizer::Cloud;
 use crate::output::backdrop;
 use crate::output::svg::{Frames, Role, Scene, Style};
 use crate::record::{MethodRecord, Run};
-use loc_core::{Ellipse, Pose2, Stamped};
+use loc_core::{Pose2, Stamped};
 
 /// How many moments are shown.
 const FRAMES: usize = 12;
 /// Length of a particle's pointer, as a share of the map's larger side.
 const POINTER: f64 = 0.018;
 /// Spreads and errors below this are all the same \[m\].
-const SMALL: f64 = 0.05;
+const SMALL: f64 = 0.3;
+/// How much time counts beside spread and error, which count 1 each.
+const TIME: f64 = 0.5;
 
 /// The clouds of the last method that has any.
 pub(super) fn clouds(run: &Run) -> Option<FigureFile> {
@@ -21,7 +23,7 @@ pub(super) fn clouds(run: &Run) -> Option<FigureFile> {
     let (k, record) = run.methods.iter().enumerate().rfind(with_clouds)?;
     let moments: Vec<Moment> = record.snapshots.iter().map(|s| Moment::of(run, s)).collect();
     let mut frames = Frames::new(format!("The particles of {} over time", record.method))
-        .subtitle("at most 500 particles of each cloud; spread is one standard deviation");
+        .subtitle("with the standard deviation of the position; at most 500 particles are drawn");
     let mut size = extent(&moments);
     if let Some(image) = run.setup.map.as_deref().and_then(backdrop) {
         size = (image.max.0 - image.min.0).max(image.max.1 - image.min.1);
@@ -73,7 +75,7 @@ impl<'a> Moment<'a> {
 
     fn caption(&self) -> String {
         let after = if self.carried { ", kidnapped" } else { "" };
-        format!("{:.1} s, spread {:.2} m{after}", self.stamp, self.spread)
+        format!("{:.1} s, ± {:.2} m{after}", self.stamp, self.spread)
     }
 
     fn scene(&self, role: Role, pointer: f64) -> Scene {
@@ -82,22 +84,15 @@ impl<'a> Moment<'a> {
             let tip = pose.transform(&[pointer, 0.0].into());
             ((pose.x, pose.y), (tip.x, tip.y))
         });
-        Scene::new("")
-            .segments(role.width(0.6), "", pointers)
-            .dots(Style::from(role).width(1.7), "particle", poses().map(|pose| (pose.x, pose.y)))
-            .ellipses(
-                Role::Truth.width(1.4),
-                "robot",
-                self.truth.map(|truth| ring(truth, 1.6 * pointer)),
-            )
-            .segments(
-                Role::Truth.width(1.4),
-                "",
-                self.truth.map(|truth| {
-                    let at = |ahead: f64| truth.transform(&[ahead * pointer, 0.0].into());
-                    ((at(1.6).x, at(1.6).y), (at(3.2).x, at(3.2).y))
-                }),
-            )
+        let scene = Scene::new("").segments(role.width(0.6), "", pointers).dots(
+            Style::from(role).width(1.7),
+            "particle",
+            poses().map(|pose| (pose.x, pose.y)),
+        );
+        match self.truth {
+            Some(truth) => scene.ring("robot", 1.6 * pointer, truth),
+            None => scene,
+        }
     }
 
     /// How different this moment looks from another one: in time, spread and error.
@@ -109,11 +104,6 @@ impl<'a> Moment<'a> {
             ratio(self.error, other.error),
         ]
     }
-}
-
-/// A circle around a pose, which hides nothing within.
-fn ring(pose: Pose2, radius: f64) -> Ellipse {
-    Ellipse { center: pose.position().coords, semi_major: radius, semi_minor: radius, angle: 0.0 }
 }
 
 /// The moments to show: the first, the last, and between them those that are equally different
@@ -128,8 +118,8 @@ fn choose(moments: &[Moment]) -> Vec<usize> {
     let totals = [total(0), total(1), total(2)];
     let mut passed = vec![0.0];
     for step in &steps {
-        let share: f64 = (0..3).map(|k| step[k] / totals[k]).sum();
-        passed.push(passed[passed.len() - 1] + share / 3.0);
+        let weighted = (0..3).map(|k| [TIME, 1.0, 1.0][k] * step[k] / totals[k]);
+        passed.push(passed[passed.len() - 1] + weighted.sum::<f64>());
     }
     let all = passed[passed.len() - 1];
     let mut chosen: Vec<usize> = Vec::with_capacity(FRAMES);

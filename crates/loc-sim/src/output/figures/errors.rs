@@ -74,10 +74,13 @@ pub(super) fn consistency(run: &Run) -> Option<FigureFile> {
     {
         let unit = if coordinate == 2 { 1_f64.to_degrees() } else { 1.0 };
         let role = Role::Method(k);
-        let chart = Chart::new(*label)
-            .band(role, "2 sigma", band(run, record, coordinate, unit))
-            .line(role, record.method.name(), error(run, record, coordinate, unit))
-            .reference(0.0, "");
+        let (band, error) =
+            (band(run, record, coordinate, unit), error(run, record, coordinate, unit));
+        let mut chart = Chart::new(*label).reference(0.0, "");
+        if let Some(limit) = usual(&band, &error) {
+            chart = chart.y_range(-limit, limit);
+        }
+        chart = chart.band(role, "2 sigma", band).line(role, record.method.name(), error);
         figure = figure.panel(chart);
     }
     Some(FigureFile {
@@ -85,6 +88,17 @@ pub(super) fn consistency(run: &Run) -> Option<FigureFile> {
         caption: "Error of each coordinate inside two standard deviations",
         svg: with_kidnapping(run, figure).render(),
     })
+}
+
+/// The range to show, where a few moments of a lost robot would leave no room for all others: a
+/// little more than what nine of ten moments need.
+fn usual(band: &[(f64, f64, f64)], error: &[(f64, f64)]) -> Option<f64> {
+    let pairs = band.iter().zip(error);
+    let mut sizes: Vec<f64> = pairs.map(|(band, error)| band.2.max(error.1.abs())).collect();
+    sizes.retain(|size| size.is_finite());
+    sizes.sort_by(f64::total_cmp);
+    let (most, usual) = (sizes.last()?, sizes[sizes.len() * 9 / 10]);
+    (*most > 4.0 * usual && usual > 0.0).then_some(1.3 * usual)
 }
 
 fn band(run: &Run, record: &MethodRecord, i: usize, unit: f64) -> Vec<(f64, f64, f64)> {

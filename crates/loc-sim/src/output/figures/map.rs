@@ -13,6 +13,9 @@ const MARKS: usize = 24;
 /// Longest half axis of an ellipse that is drawn beside other methods, as a share of the extent.
 const LARGEST_ELLIPSE: f64 = 0.2;
 
+/// An estimate that moves farther at once does not follow a robot \[m\].
+const JUMP: f64 = 1.0;
+
 /// About how many measured landmark positions are drawn.
 const STARS: usize = 400;
 
@@ -26,15 +29,15 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
         let label = format!("{}, 2 sigma", record.method);
         let ellipses = marked(&record.estimates).filter_map(two_sigma);
         // The ellipses of a method that is lost would hide everything else.
-        let fits = |ellipse: &Ellipse| run.methods.len() == 1 || ellipse.semi_major < largest;
+        let alone = run.methods.len() == 1 && record.snapshots.is_empty();
+        let fits = |ellipse: &Ellipse| alone || ellipse.semi_major < largest;
         scene = scene.ellipses(Role::Method(k).width(0.9), &label, ellipses.filter(fits));
     }
     if let Some(seen) = run.methods.iter().rev().find_map(measured) {
         scene = scene.stars(Role::Measurement, "landmark as measured", seen);
     }
     for (k, record) in run.methods.iter().enumerate() {
-        let path = record.estimates.iter().map(|e| (e.pose.x, e.pose.y));
-        scene = scene.path(line(run, k), record.method.name(), path);
+        scene = scene.path(line(run, k), record.method.name(), estimated_path(record));
         let arrows = record.method != Method::DeadReckoning && record.snapshots.is_empty();
         if arrows || run.methods.len() == 1 {
             scene = scene.poses(Role::Method(k), "", marked(&record.estimates).map(|e| e.pose));
@@ -61,7 +64,8 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
 /// Whether the run is drawn as the lectures draw Monte Carlo localization (M10): the true path
 /// solid, odometry dotted, the estimate dashed. With Kalman filters (H2) the true path is dotted.
 fn has_particles(run: &Run) -> bool {
-    run.methods.iter().any(|record| !record.snapshots.is_empty())
+    let kalman = run.methods.iter().any(|record| record.method == Method::Ekf);
+    !kalman && run.methods.iter().any(|record| !record.snapshots.is_empty())
 }
 
 /// How the path of the k-th method is drawn.
@@ -71,6 +75,19 @@ fn line(run: &Run, k: usize) -> Style {
         Method::DeadReckoning => Role::Method(k).dotted(),
         _ => Role::Method(k).dashed().width(2.2),
     }
+}
+
+/// The estimated path, broken where a method of particles changes its mind: nobody drove there.
+fn estimated_path(record: &MethodRecord) -> Vec<(f64, f64)> {
+    let mut path = Vec::with_capacity(record.estimates.len());
+    let mut last: Option<Pose2> = None;
+    for Estimate { pose, .. } in &record.estimates {
+        let jumped = last.is_some_and(|last| last.distance(*pose) > JUMP);
+        path.extend((jumped && !record.snapshots.is_empty()).then_some((f64::NAN, f64::NAN)));
+        path.push((pose.x, pose.y));
+        last = Some(*pose);
+    }
+    path
 }
 
 /// The true path, broken where the robot was carried.
@@ -92,7 +109,8 @@ fn kidnapping(run: &Run, scene: Scene) -> Scene {
         let [from, to] = [0, 1].map(|k| (pair[k].value.pose.x, pair[k].value.pose.y));
         [(from, "carried off"), (to, "put down")]
     });
-    scene.crosses(Role::Measurement, "kidnapping", places)
+    let places: Vec<_> = places.collect();
+    if places.is_empty() { scene } else { scene.crosses(Role::Measurement, "kidnapping", places) }
 }
 
 /// Diagonal of the box around the true path \[m\].

@@ -39,12 +39,12 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     if run.setup.rail.is_some() {
         return rail::all(run, title);
     }
-    if run.truth.is_empty() {
-        return vec![map::map(run, title)];
-    }
     let mut figures = vec![map::map(run, title)];
     figures.extend(clouds::clouds(run));
     figures.extend(resampling::resampling(run));
+    if run.truth.is_empty() {
+        return figures;
+    }
     figures.push(errors::errors(run));
     figures.extend(errors::consistency(run));
     figures

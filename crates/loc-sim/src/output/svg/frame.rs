@@ -87,12 +87,17 @@ impl Area {
         baseline + 30.0
     }
 
-    /// The numbers to the left of the area and the axis' name above it.
-    pub(super) fn draw_y_axis(&self, writer: &mut Writer, y: &Axis, name: &str) {
+    /// The numbers to the left of the area.
+    pub(super) fn draw_y_ticks(&self, writer: &mut Writer, y: &Axis) {
         for tick in &y.ticks {
             let at = (self.left - 7.0, y.px(tick.value) + 0.35 * TICK_SIZE);
             label(writer, at, Anchor::End, &tick.label);
         }
+    }
+
+    /// The numbers to the left of the area and the axis' name above it.
+    pub(super) fn draw_y_axis(&self, writer: &mut Writer, y: &Axis, name: &str) {
+        self.draw_y_ticks(writer, y);
         let at = (self.left, self.top - 8.0);
         let name = text::shorten(&y.title(name), LABEL_SIZE, self.width);
         let element = text::element(at, LABEL_SIZE, Anchor::Start, Paint::INK);

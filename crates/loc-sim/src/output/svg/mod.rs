@@ -4,8 +4,8 @@
 //! estimate is as certain as it claims, which landmark misled it. A [`Scene`] looks at the plane
 //! from above, in metres and with equal scales; a [`Figure`] stacks [`Chart`]s over one shared
 //! axis, mostly time; [`Frames`] shows one place at several times, [`Pictures`] puts images side
-//! by side. What a thing is decides how it looks: everything drawn has a [`Role`], so
-//! that a method keeps its colour through all figures of a run.
+//! by side, [`HeatMaps`] surfaces over the same axes. What a thing is decides how it looks:
+//! everything drawn has a [`Role`], so that a method keeps its colour through all figures of a run.
 //!
 //! ```
 //! use loc_sim::output::svg::{Chart, Figure, Role, Scene};
@@ -37,6 +37,7 @@ mod axis;
 mod chart;
 mod frame;
 mod header;
+mod heat_maps;
 mod marks;
 mod pictures;
 mod room;
@@ -48,6 +49,7 @@ mod ticks;
 mod writer;
 
 pub use chart::{Chart, Figure};
+pub use heat_maps::{HeatMap, HeatMaps};
 pub use pictures::{ColorBar, Picture, Pictures};
 pub use scene::{Backdrop, Frames, Scene};
 pub use style::{Role, Style};

@@ -124,7 +124,7 @@ pub(super) fn draw_bar(
     top + BAR + 20.0
 }
 
-fn image(writer: &mut Writer, data_uri: &str, [left, top, width, height]: [f64; 4]) {
+pub(super) fn image(writer: &mut Writer, data_uri: &str, [left, top, width, height]: [f64; 4]) {
     let place = |element: Element| {
         element.num("x", left).num("y", top).num("width", width).num("height", height)
     };

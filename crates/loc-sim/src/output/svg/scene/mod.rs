@@ -4,6 +4,7 @@ mod bounds;
 mod draw;
 mod frames;
 mod labels;
+mod robot;
 mod view;
 
 pub use frames::Frames;

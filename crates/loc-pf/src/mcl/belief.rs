@@ -1,0 +1,156 @@
+//! The part of the filter that changes: the cloud, and what decides over it.
+
+use super::observation::Observation;
+use super::step::Step;
+use super::surroundings::Surroundings;
+use super::{MclSettings, UpdateReport};
+use crate::recovery::{AugmentedMcl, Suspicion, UsualEvidence};
+use crate::tempering::{Tempering, TemperingReport};
+use crate::{Kld, ParticleFilter, Particles, ResamplePolicy, Resampling, Result, Workers};
+use loc_core::random::ChaCha8Rng;
+use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
+
+/// The belief about the pose.
+#[derive(Debug)]
+pub(super) struct Belief {
+    pub(super) filter: ParticleFilter,
+    pub(super) most_particles: usize,
+    kld: Kld,
+    resampling: Resampling,
+    policy: ResamplePolicy,
+    independent_beams: f64,
+    tempering: Option<Tempering>,
+    /// For the places that a search finds.
+    pub(super) everywhere: Tempering,
+    pub(super) suspicion: Option<Suspicion>,
+    pub(super) augmented: Option<AugmentedMcl>,
+    /// Whether the cloud has seen a scan since it was spread, and whether over the whole map.
+    pub(super) has_seen: bool,
+    pub(super) is_anywhere: bool,
+    pub(super) updates_since_resampling: usize,
+}
+
+impl Belief {
+    pub(super) fn new(settings: &MclSettings, area: f64, rng: ChaCha8Rng) -> Result<Self> {
+        let workers = Workers::new(settings.threads)?;
+        let usual = usual_evidence(&settings.sensor.field());
+        let suspicion = settings.recovery.suspicion;
+        Ok(Belief {
+            filter: ParticleFilter::new(Particles::new(), rng).with_workers(workers),
+            most_particles: settings.particles.max_particles,
+            kld: Kld::new(settings.particles.clone())?,
+            resampling: settings.resampling,
+            policy: settings.policy,
+            independent_beams: settings.independent_beams,
+            tempering: settings.tempering.map(Tempering::new).transpose()?,
+            everywhere: Tempering::default(),
+            suspicion: suspicion.map(|s| Suspicion::new(s, usual, area)).transpose()?,
+            augmented: settings.recovery.augmented.map(AugmentedMcl::new).transpose()?,
+            has_seen: false,
+            is_anywhere: true,
+            updates_since_resampling: 0,
+        })
+    }
+
+    /// Whether the cloud is spread over the whole map and has seen nothing yet.
+    pub(super) fn is_looking(&self) -> bool {
+        self.is_anywhere && !self.has_seen
+    }
+
+    /// Moves the cloud by a step and weighs it by scans.
+    pub(super) fn update(
+        &mut self,
+        step: &Step,
+        scan: &Observation<'_>,
+        endpoints: &Endpoints,
+        map: &Surroundings,
+    ) -> UpdateReport {
+        let is_lost = self.is_looking();
+        self.has_seen = true;
+        let found = if is_lost { self.look_everywhere(map, scan, endpoints) } else { None };
+        let (report, mut searched) = match found {
+            Some(found) => {
+                *self.filter.particles_mut() = found.cloud;
+                (TemperingReport { stages: 1, log_evidence: found.log_evidence }, true)
+            }
+            None => (self.track(step, scan), false),
+        };
+        if !is_lost {
+            searched |= self.suspect(report.log_evidence, scan, endpoints, map);
+            self.inject(report.log_evidence, map);
+        }
+        let TemperingReport { stages, log_evidence } = report;
+        let effective_sample_size = self.filter.particles().effective_sample_size();
+        UpdateReport { stages, log_evidence, effective_sample_size, searched }
+    }
+
+    /// Sample the motion, weigh, resample: by degrees, or at once.
+    fn track(&mut self, step: &Step, scan: &Observation<'_>) -> TemperingReport {
+        let count = self.filter.count_needed(&mut self.kld);
+        match &mut self.tempering {
+            Some(tempering) => {
+                let report = tempering.update(&mut self.filter, step, scan, count);
+                // A cloud that outgrew its need, after a search, say.
+                if self.filter.particles().len() > 2 * count {
+                    self.filter.resample(self.resampling, count);
+                }
+                report
+            }
+            None => {
+                self.filter.predict(step);
+                self.filter.weigh(scan);
+                let log_evidence = self.filter.normalize();
+                self.updates_since_resampling += 1;
+                let particles = self.filter.particles();
+                let effective = particles.effective_sample_size();
+                if self.policy.is_due(self.updates_since_resampling, effective, particles.len()) {
+                    self.filter.resample_adaptively(self.resampling, &mut self.kld);
+                    self.updates_since_resampling = 0;
+                }
+                TemperingReport { stages: 1, log_evidence }
+            }
+        }
+    }
+
+    /// Looks elsewhere if the scan makes that worth it; says whether it did.
+    fn suspect(
+        &mut self,
+        log_evidence: f64,
+        scan: &Observation<'_>,
+        endpoints: &Endpoints,
+        map: &Surroundings,
+    ) -> bool {
+        let Some(mut suspicion) = self.suspicion else { return false };
+        suspicion.update(log_evidence, self.independent_beams.min(endpoints.len() as f64));
+        let alarmed = suspicion.is_alarmed();
+        if alarmed && let Some(found) = self.look_everywhere(map, scan, endpoints) {
+            let probability = suspicion.judge(found.log_evidence, log_evidence);
+            if suspicion.is_alarmed() {
+                self.mix_in(&found.cloud, probability);
+                suspicion.clear();
+            }
+        }
+        self.suspicion = Some(suspicion);
+        alarmed
+    }
+
+    /// Replaces as many particles by random ones as the running averages call for.
+    fn inject(&mut self, log_evidence: f64, map: &Surroundings) {
+        let Some(augmented) = &mut self.augmented else { return };
+        let share = augmented.update(log_evidence);
+        let count = (share * self.filter.particles().len() as f64).round() as usize;
+        let strangers: Vec<_> =
+            (0..count).map(|_| map.free_space.draw(self.filter.rng_mut())).collect();
+        self.filter.particles_mut().replace_evenly(&strangers);
+    }
+}
+
+/// What a beam is worth: three of four end on the map's obstacles where the robot is right, half of
+/// them at the least.
+fn usual_evidence(field: &LikelihoodFieldSettings) -> UsualEvidence {
+    // The mean of -d^2 / (2 sigma^2) over the hits is -1/2.
+    let hit = field.likelihood(0.0).ln() - 0.5;
+    let miss = field.likelihood(f64::INFINITY).ln();
+    let mixed = |share: f64| share * hit + (1.0 - share) * miss;
+    UsualEvidence { expected: mixed(0.75), least: mixed(0.5) }
+}

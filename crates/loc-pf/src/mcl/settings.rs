@@ -1,0 +1,237 @@
+//! All settings of Monte Carlo localization, with defaults that serve most robots.
+
+use crate::estimate::ClusterSettings;
+use crate::motion::{OmnidirectionalNoise, PathNoise};
+use crate::novelty::{DistanceFilter, EntropyFilter};
+use crate::recovery::{AugmentedSettings, SuspicionSettings};
+use crate::sensor::{BeamModelSettings, BeamSkip};
+use crate::tempering::TemperingSettings;
+use crate::{KldSettings, ResamplePolicy, Resampling, Result};
+use loc_core::error::{non_negative, positive};
+use loc_core::motion::OdometryNoise;
+use loc_maps::likelihood_field::LikelihoodFieldSettings;
+
+/// Settings of [`Mcl`](crate::Mcl).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct MclSettings {
+    /// How many particles.
+    pub particles: KldSettings,
+    /// Noise of the odometry.
+    pub motion: MotionSettings,
+    /// How scans rate poses.
+    pub sensor: SensorSettings,
+    /// Most beams of a scan that are used (`max_beams`).
+    pub beams: usize,
+    /// As how many independent beams a scan counts, if it has more: its beams see the same walls,
+    /// with the same errors of the map.
+    pub independent_beams: f64,
+    /// Beams shorter than this are not used \[m\] (`laser_min_range`).
+    pub min_range: f64,
+    /// Beams longer than this are not used by the likelihood field \[m\] (`laser_max_range`).
+    pub max_range: f64,
+    /// Drops beams that people or new furniture cut short (K3); `None` for none.
+    pub novelty: Option<NoveltyFilter>,
+    /// How narrow likelihoods are taken in; `None` for the plain filter, which weighs once.
+    pub tempering: Option<TemperingSettings>,
+    /// No update before the robot has driven this far \[m\] (`update_min_d`) ..
+    pub update_distance: f64,
+    /// .. or turned this much \[rad\] (`update_min_a`).
+    pub update_turn: f64,
+    /// How the plain filter draws particles.
+    pub resampling: Resampling,
+    /// When the plain filter draws particles.
+    pub policy: ResamplePolicy,
+    /// How the robot is found again, and found at the start.
+    pub recovery: RecoverySettings,
+    /// How the cloud falls into clusters.
+    pub clusters: ClusterSettings,
+    /// Number of threads; the results do not depend on it.
+    pub threads: usize,
+}
+
+/// Noise of the odometry, by one of the models.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum MotionSettings {
+    /// Any drive: variances grow with the way driven, and odometry fails now and then.
+    Path(PathNoise),
+    /// A differential drive: turn, drive, turn (`alpha1` to `alpha4`).
+    Differential(OdometryNoise),
+    /// A drive that moves sideways as well (`alpha1` to `alpha5`).
+    Omnidirectional(OmnidirectionalNoise),
+}
+
+/// How scans rate poses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum SensorSettings {
+    /// By the distance of each beam's end from the nearest obstacle (M7).
+    LikelihoodField(FieldSettings),
+    /// By the range that each beam should have (M6).
+    Beam(BeamModelSettings),
+}
+
+/// A filter against what is on no map (K3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum NoveltyFilter {
+    /// Drops beams that are surely shorter than the map says.
+    Distance(DistanceFilter),
+    /// Drops beams that make the belief less certain.
+    Entropy(EntropyFilter),
+}
+
+/// Settings of the likelihood field model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct FieldSettings {
+    /// The field.
+    pub field: LikelihoodFieldSettings,
+    /// How the beams of a scan are taken together.
+    pub weighting: Weighting,
+    /// Leaves out beams that end on what is on no map.
+    pub beam_skip: Option<BeamSkip>,
+}
+
+/// How the beams of a scan are taken together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Weighting {
+    /// The product of their likelihoods.
+    #[default]
+    Product,
+    /// `1 + sum p^3`, which nav2_amcl's `likelihood_field` computes; for comparison with it.
+    SumOfCubes,
+}
+
+/// How the robot is found again, and found at the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct RecoverySettings {
+    /// Searches the whole map for the scan at a start from nowhere and on suspicion; without it,
+    /// such a start spreads particles evenly.
+    pub search: bool,
+    /// When to suspect that the robot is elsewhere; `None` for never.
+    pub suspicion: Option<SuspicionSettings>,
+    /// Random particles by running averages of the evidence; `None` for none.
+    pub augmented: Option<AugmentedSettings>,
+}
+
+impl MotionSettings {
+    /// The noise by which a belief grows between two updates: that of the path, which for the other
+    /// models is the default one.
+    pub fn path_noise(&self) -> PathNoise {
+        match self {
+            MotionSettings::Path(noise) => *noise,
+            MotionSettings::Differential(_) | MotionSettings::Omnidirectional(_) => {
+                PathNoise::default()
+            }
+        }
+    }
+}
+
+impl SensorSettings {
+    /// The settings of the likelihood field; the default ones for the beam model, which needs one
+    /// only for searches.
+    pub fn field(&self) -> LikelihoodFieldSettings {
+        match self {
+            SensorSettings::LikelihoodField(settings) => settings.field,
+            SensorSettings::Beam(_) => FieldSettings::default().field,
+        }
+    }
+}
+
+impl Default for FieldSettings {
+    /// A sharper field than [`LikelihoodFieldSettings`] has by itself: the filter can follow it.
+    fn default() -> Self {
+        let field = LikelihoodFieldSettings {
+            sigma_hit: 0.05,
+            z_hit: 0.8,
+            z_rand: 0.2,
+            ..LikelihoodFieldSettings::default()
+        };
+        FieldSettings { field, weighting: Weighting::Product, beam_skip: None }
+    }
+}
+
+impl Default for RecoverySettings {
+    fn default() -> Self {
+        let suspicion = Some(SuspicionSettings::default());
+        RecoverySettings { search: true, suspicion, augmented: None }
+    }
+}
+
+impl Default for MclSettings {
+    fn default() -> Self {
+        MclSettings {
+            particles: KldSettings::default(),
+            motion: MotionSettings::Path(PathNoise::default()),
+            sensor: SensorSettings::LikelihoodField(FieldSettings::default()),
+            beams: 60,
+            independent_beams: 20.0,
+            min_range: 0.0,
+            max_range: 100.0,
+            novelty: None,
+            tempering: Some(TemperingSettings::default()),
+            update_distance: 0.1,
+            update_turn: 0.1,
+            resampling: Resampling::default(),
+            policy: ResamplePolicy::default(),
+            recovery: RecoverySettings::default(),
+            clusters: ClusterSettings::default(),
+            threads: 1,
+        }
+    }
+}
+
+impl MclSettings {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] and [`loc_core::Error::Length`] naming the first that is not
+    /// allowed.
+    pub fn validate(&self) -> Result<()> {
+        self.particles.validate()?;
+        match &self.motion {
+            MotionSettings::Path(noise) => noise.validate()?,
+            MotionSettings::Differential(noise) => {
+                let OdometryNoise { alpha1, alpha2, alpha3, alpha4 } = *noise;
+                for alpha in [alpha1, alpha2, alpha3, alpha4] {
+                    non_negative("alpha1 to alpha4 of the odometry", alpha)?;
+                }
+            }
+            MotionSettings::Omnidirectional(noise) => noise.check()?,
+        }
+        match &self.sensor {
+            SensorSettings::LikelihoodField(FieldSettings { field, beam_skip, .. }) => {
+                field.validate()?;
+                beam_skip.iter().try_for_each(BeamSkip::validate)?;
+            }
+            SensorSettings::Beam(beam) => beam.validate()?,
+        }
+        positive("beams", self.beams as f64)?;
+        positive("independent_beams", self.independent_beams)?;
+        non_negative("min_range [m]", self.min_range)?;
+        positive("max_range [m]", self.max_range)?;
+        non_negative("update_distance [m]", self.update_distance)?;
+        non_negative("update_turn [rad]", self.update_turn)?;
+        match &self.novelty {
+            Some(NoveltyFilter::Distance(filter)) => filter.validate()?,
+            Some(NoveltyFilter::Entropy(filter)) => filter.validate()?,
+            None => {}
+        }
+        self.tempering.iter().try_for_each(TemperingSettings::validate)?;
+        self.recovery.suspicion.iter().try_for_each(SuspicionSettings::validate)?;
+        self.recovery.augmented.iter().try_for_each(AugmentedSettings::validate)?;
+        self.policy.validate()?;
+        self.clusters.validate()
+    }
+}

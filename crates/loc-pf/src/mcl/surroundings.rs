@@ -1,0 +1,106 @@
+//! What is known of the map, made ready for the sensor model and for searches.
+
+use super::observation::{MountedScan, Observation};
+use super::{MclSettings, NoveltyFilter, SensorSettings, Weighting};
+use crate::free_space::FreeSpace;
+use crate::global::{GlobalSearch, SearchSettings};
+use crate::novelty::{BeliefSample, by_field};
+use crate::sensor::{BeamLikelihood, FieldLikelihood, SumOfCubes};
+use crate::{Particles, Result};
+use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
+use loc_maps::{LikelihoodField, OccupancyGrid, RayCaster};
+
+/// The map as the filter uses it; nothing of it changes.
+#[derive(Debug)]
+pub(super) struct Surroundings {
+    pub(super) free_space: FreeSpace,
+    pub(super) field: LikelihoodField,
+    /// The obstacles, where the beam model or the distance filter needs them.
+    caster: Option<RayCaster>,
+    pub(super) search: Option<GlobalSearch>,
+}
+
+/// Places that a search answers with.
+const PLACES: usize = 24;
+
+/// Poses that stand for the cloud when beams are filtered.
+const SAMPLE: usize = 64;
+
+impl Surroundings {
+    pub(super) fn new(map: &OccupancyGrid, settings: &MclSettings) -> Result<Self> {
+        let free_space = FreeSpace::new(map)?;
+        let field = settings.sensor.field();
+        let casts = matches!(settings.sensor, SensorSettings::Beam(_))
+            || matches!(settings.novelty, Some(NoveltyFilter::Distance(_)));
+        let search = settings.recovery.search.then(|| search(map, &field)).transpose()?;
+        let field = LikelihoodField::new(map, &field)?;
+        Ok(Surroundings { free_space, field, caster: casts.then(|| RayCaster::new(map)), search })
+    }
+
+    /// The chosen beams without those that a filter against people drops (K3), for a robot at
+    /// `predicted`.
+    pub(super) fn familiar(
+        &self,
+        scans: &[MountedScan<'_>],
+        beams: Vec<Vec<usize>>,
+        predicted: &Particles,
+        filter: &NoveltyFilter,
+    ) -> Result<Vec<Vec<usize>>> {
+        let sample = BeliefSample::of(predicted, SAMPLE);
+        let pairs = scans.iter().zip(beams);
+        let kept = pairs.map(|(mounted, beams)| {
+            let kept = match (filter, &self.caster) {
+                (NoveltyFilter::Distance(filter), Some(caster)) => {
+                    filter.keep(caster, &sample, mounted, &beams)
+                }
+                (NoveltyFilter::Entropy(filter), _) => {
+                    filter.keep(by_field(&self.field), &sample, mounted, &beams)
+                }
+                (NoveltyFilter::Distance(_), None) => return Ok(beams),
+            };
+            Ok(kept?.beams)
+        });
+        kept.collect()
+    }
+
+    /// Makes scans ready, whose chosen beams end at `endpoints`.
+    pub(super) fn observe<'a>(
+        &'a self,
+        scans: &[MountedScan<'_>],
+        beams: &[Vec<usize>],
+        endpoints: &'a Endpoints,
+        settings: &MclSettings,
+    ) -> Result<Observation<'a>> {
+        let used: usize = beams.iter().map(Vec::len).sum();
+        let exponent = (settings.independent_beams / used.max(1) as f64).min(1.0);
+        Ok(match (&settings.sensor, &self.caster) {
+            (SensorSettings::Beam(model), Some(caster)) => {
+                let rate = |(mounted, beams): (&MountedScan<'_>, &Vec<usize>)| {
+                    BeamLikelihood::new(caster, model, mounted, beams, exponent)
+                };
+                Observation::Beams(scans.iter().zip(beams).map(rate).collect::<Result<_>>()?)
+            }
+            (SensorSettings::LikelihoodField(field), _)
+                if field.weighting == Weighting::SumOfCubes =>
+            {
+                Observation::SumOfCubes(SumOfCubes::new(&self.field, endpoints))
+            }
+            _ => Observation::Product(FieldLikelihood { field: &self.field, endpoints, exponent }),
+        })
+    }
+}
+
+/// The search of a map, on a field that forgives the steps of the search.
+fn search(map: &OccupancyGrid, field: &LikelihoodFieldSettings) -> Result<GlobalSearch> {
+    let sigma_hit = field.sigma_hit.max(0.15).max(2.0 * map.frame().resolution());
+    let field = LikelihoodField::new(map, &LikelihoodFieldSettings { sigma_hit, ..*field })?;
+    let settings = SearchSettings {
+        candidates: PLACES,
+        separation_distance: 0.5,
+        separation_angle: 15_f64.to_radians(),
+        within: 0.3,
+        refine: false,
+        ..SearchSettings::default()
+    };
+    GlobalSearch::new(map, field, settings)
+}
