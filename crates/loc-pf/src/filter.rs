@@ -97,6 +97,11 @@ impl ParticleFilter {
         self.particles.len()
     }
 
+    /// The cloud before the last resampling, with its weights; empty before the first.
+    pub fn resampled_from(&self) -> &Particles {
+        &self.spare
+    }
+
     /// How many particles the spread of the cloud asks for.
     pub fn count_needed(&mut self, kld: &mut Kld) -> usize {
         self.wheel.set(self.particles.log_weights());

@@ -23,6 +23,7 @@
 //! ```
 
 mod leg;
+mod past;
 mod recovery;
 mod settings;
 mod update;
@@ -32,13 +33,14 @@ pub use settings::{LandmarkMclSettings, RecoverySettings};
 pub use update::SightingUpdate;
 
 use crate::estimate::moments;
-use crate::{Error, ParticleFilter, Particles, Result, Workers};
+use crate::{ParticleFilter, Particles, Result, Workers};
 use loc_core::Gaussian;
 use loc_core::error::finite;
 use loc_core::motion::{Twist2, dead_reckon};
 use loc_core::random::ChaCha8Rng;
 use loc_maps::{Bounds, LandmarkMap};
 use loc_sensors::landmark_camera::Sighting;
+use past::Moment;
 use recovery::Fit;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -73,22 +75,8 @@ struct State {
     fit: Fit,
     /// Whether the cloud lies anywhere and waits for its first sighting.
     anywhere: bool,
-}
-
-/// The filter as it was at some time.
-#[derive(Debug)]
-struct Snapshot {
-    state: State,
-    particles: Particles,
-    rng: ChaCha8Rng,
-}
-
-/// Sightings, and the filter as it was before them.
-#[derive(Debug)]
-struct Moment {
-    stamp: f64,
-    sightings: Vec<Sighting>,
-    before: Snapshot,
+    /// Whether the last sightings made it draw a new cloud.
+    resampled: bool,
 }
 
 impl LandmarkMcl {
@@ -134,7 +122,7 @@ impl LandmarkMcl {
         let mut filter = ParticleFilter::new(Particles::new(), rng).with_workers(workers);
         *filter.particles_mut() = update::scattered(&region, settings.particles, filter.rng_mut());
         let belief = moments(filter.particles());
-        let state = State { stamp, belief, fit: Fit::default(), anywhere: true };
+        let state = State { stamp, belief, fit: Fit::default(), anywhere: true, resampled: false };
         let (velocities, past) = (Velocities::default(), VecDeque::new());
         Ok(LandmarkMcl { map, settings, region, filter, state, velocities, past })
     }
@@ -148,7 +136,8 @@ impl LandmarkMcl {
         let count = self.settings.particles;
         *self.filter.particles_mut() =
             Particles::from_gaussian(&start, count, self.filter.rng_mut());
-        self.state = State { belief: start, fit: Fit::default(), anywhere: false, ..self.state };
+        let (fit, anywhere, resampled) = (Fit::default(), false, false);
+        self.state = State { belief: start, fit, anywhere, resampled, ..self.state };
         self.past.clear();
         Ok(())
     }
@@ -156,7 +145,7 @@ impl LandmarkMcl {
     /// The velocity from `stamp` \[s\] on.
     ///
     /// # Errors
-    /// [`Error::TooLate`], and [`loc_core::Error::OutOfRange`] for what is not finite.
+    /// [`crate::Error::TooLate`], and [`loc_core::Error::OutOfRange`] for what is not finite.
     pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
         for value in [twist.vx, twist.vy, twist.omega] {
             finite("velocity [m/s, rad/s]", value)?;
@@ -174,7 +163,7 @@ impl LandmarkMcl {
     /// Any number of landmarks seen at `stamp` \[s\].
     ///
     /// # Errors
-    /// [`Error::TooLate`], and [`loc_core::Error::OutOfRange`] for sightings that are not valid,
+    /// [`crate::Error::TooLate`], and [`loc_core::Error::OutOfRange`] for sightings that are not valid,
     /// none of which is then used.
     pub fn sightings(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<SightingUpdate> {
         self.check_stamp("sightings", stamp)?;
@@ -210,73 +199,14 @@ impl LandmarkMcl {
         self.filter.particles()
     }
 
+    /// The cloud as the last sightings weighed it, if it was resampled then.
+    pub fn weighed(&self) -> Option<&Particles> {
+        self.state.resampled.then(|| self.filter.resampled_from())
+    }
+
     /// How well sightings fit, as shares of what they would without errors: in the long run and of
     /// late. `None` before the first.
     pub fn fit(&self) -> Option<[f64; 2]> {
         self.state.fit.averages()
-    }
-
-    /// Time of the newest input \[s\]; `None` before the first.
-    fn newest(&self) -> Option<f64> {
-        let sightings = self.past.back().map(|moment| moment.stamp);
-        let newest = [self.velocities.newest(), sightings].into_iter().flatten();
-        newest.reduce(f64::max)
-    }
-
-    fn check_stamp(&self, what: &'static str, stamp: f64) -> Result<()> {
-        finite("stamp [s]", stamp)?;
-        let horizon = self.settings.horizon;
-        match self.newest() {
-            Some(newest) if stamp < newest - horizon => {
-                Err(Error::TooLate { what, stamp, newest, horizon })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Index of the first remembered sightings after a time.
-    fn place_after(&self, stamp: f64) -> usize {
-        self.past.partition_point(|moment| moment.stamp <= stamp)
-    }
-
-    fn snapshot(&mut self) -> Snapshot {
-        let particles = self.filter.particles().clone();
-        Snapshot { state: self.state, particles, rng: self.filter.rng_mut().clone() }
-    }
-
-    fn go_back_to(&mut self, place: usize) {
-        if let Some(Moment { before, .. }) = self.past.get(place) {
-            self.state = before.state;
-            self.filter.particles_mut().clone_from(&before.particles);
-            self.filter.rng_mut().clone_from(&before.rng);
-        }
-    }
-
-    /// Takes in again, from where the filter stands, the sightings from index `place` on.
-    fn repeat_from(&mut self, place: usize) -> Result<()> {
-        for place in place..self.past.len() {
-            let before = self.snapshot();
-            let sightings = std::mem::take(&mut self.past[place].sightings);
-            let stamp = self.past[place].stamp;
-            self.take_in(stamp, &sightings)?;
-            self.past[place] = Moment { stamp, sightings, before };
-        }
-        Ok(())
-    }
-
-    /// Forgets what no input can reach any more.
-    fn forget(&mut self) {
-        let Some(limit) = self.newest().map(|newest| newest - self.settings.horizon) else {
-            return;
-        };
-        // The newest moment stays, so that there is always a last stamp to compare with.
-        while self.past.len() > 1 && self.past[0].stamp < limit {
-            self.past.pop_front();
-        }
-        if let Some(stamp) = self.velocities.leg_end_before(limit) {
-            self.drive_to(stamp);
-        }
-        let oldest = self.past.front().map_or(self.state.stamp, |moment| moment.before.state.stamp);
-        self.velocities.forget_before(oldest);
     }
 }

@@ -70,6 +70,7 @@ impl LandmarkMcl {
     pub(super) fn take_in(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<SightingUpdate> {
         let likelihood = LandmarkLikelihood::new(&self.map, sightings, &self.settings.sights)?;
         self.drive_to(stamp);
+        self.state.resampled = false;
         if likelihood.is_empty() {
             return Ok(SightingUpdate {
                 trust: likelihood.trust(self.state.belief.pose()).collect(),
@@ -91,6 +92,7 @@ impl LandmarkMcl {
             replaced > 0 || effective_sample_size < self.settings.resample_below * count;
         if resampled {
             self.resample(&likelihood, replaced);
+            self.state.resampled = true;
         }
         Ok(SightingUpdate { trust, effective_sample_size, resampled, replaced })
     }
@@ -101,17 +103,26 @@ impl LandmarkMcl {
     /// degrees: a part of the log-likelihood that leaves enough of them, a new cloud drawn, and then
     /// the rest (progressive correction, Oudjane and Musso 2000).
     fn weigh(&mut self, likelihood: &LandmarkLikelihood) -> f64 {
+        let enough = ENOUGH * self.settings.particles as f64;
         let (mut log_mean, mut rest) = (0.0, 1.0);
         for stage in (0..STAGES).rev() {
-            let rated = self.rated(likelihood);
-            let part = if stage > 0 { self.bearable(&rated, rest) } else { rest };
-            let weights = self.filter.particles_mut().log_weights_mut();
-            weights.iter_mut().zip(&rated).for_each(|(weight, rated)| *weight += part * rated);
-            log_mean += self.filter.normalize();
-            rest -= part;
-            if rest <= 0.0 {
+            let before = self.filter.particles().log_weights().to_vec();
+            self.filter.weigh(likelihood);
+            let rated = rated(self.filter.particles().log_weights(), &before);
+            if rest < 1.0 {
+                self.set_weights(&before, &rated, rest);
+            }
+            let all = self.filter.normalize();
+            let carried = self.filter.particles().effective_sample_size() >= enough;
+            let part =
+                if stage == 0 || carried { rest } else { bearable(&before, &rated, rest, enough) };
+            if part >= rest {
+                log_mean += all;
                 break;
             }
+            self.set_weights(&before, &rated, part);
+            log_mean += self.filter.normalize();
+            rest -= part;
             self.state.belief = moments(self.filter.particles());
             self.filter.resample(self.settings.resampling, self.settings.particles);
             self.roughen();
@@ -120,32 +131,12 @@ impl LandmarkMcl {
         self.state.fit.update(log_mean, log_peak, count, &self.settings.recovery)
     }
 
-    /// The log-likelihood of every particle.
-    fn rated(&mut self, likelihood: &LandmarkLikelihood) -> Vec<f64> {
-        let before = self.filter.particles().log_weights().to_vec();
-        self.filter.particles_mut().log_weights_mut().fill(0.0);
-        self.filter.weigh(likelihood);
+    /// Weighs by a power of the likelihood, from the weights before.
+    fn set_weights(&mut self, before: &[f64], rated: &[f64], power: f64) {
         let weights = self.filter.particles_mut().log_weights_mut();
-        let rated = weights.to_vec();
-        weights.copy_from_slice(&before);
-        rated
-    }
-
-    /// The largest power, up to `rest`, of the likelihood that leaves enough particles.
-    fn bearable(&self, rated: &[f64], rest: f64) -> f64 {
-        let enough = ENOUGH * self.settings.particles as f64;
-        let weights = self.filter.particles().log_weights();
-        if sample_size(weights, rated, rest) >= enough {
-            return rest;
+        for (weight, (before, rated)) in weights.iter_mut().zip(before.iter().zip(rated)) {
+            *weight = before + power * rated;
         }
-        let (mut low, mut high) = (0.0, rest);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            let bearable = sample_size(weights, rated, middle) >= enough;
-            if bearable { low = middle } else { high = middle }
-        }
-        // Where not even the least part leaves enough, the sightings contradict the cloud.
-        if low > 0.0 { low } else { rest }
     }
 
     /// Puts the cloud where the sightings may have been made.
@@ -208,6 +199,25 @@ impl LandmarkMcl {
         });
         limits.fold(self.settings.roughening * suits, f64::min).min(1.0)
     }
+}
+
+/// Log-likelihoods from log weights with and without them. What was ruled out before stays so.
+fn rated(after: &[f64], before: &[f64]) -> Vec<f64> {
+    let gain =
+        |(after, before): (&f64, &f64)| if *after > f64::MIN { after - before } else { *after };
+    after.iter().zip(before).map(gain).collect()
+}
+
+/// The largest power, up to `rest`, of the likelihood that leaves `enough` particles; all of it
+/// where not even the least part does: the sightings then contradict the cloud.
+fn bearable(before: &[f64], rated: &[f64], rest: f64, enough: f64) -> f64 {
+    let (mut low, mut high) = (0.0, rest);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let bears = sample_size(before, rated, middle) >= enough;
+        if bears { low = middle } else { high = middle }
+    }
+    if low > 0.0 { low } else { rest }
 }
 
 /// Effective sample size after weighing by a power of the likelihood.

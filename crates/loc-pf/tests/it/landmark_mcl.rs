@@ -335,7 +335,7 @@ fn bad_input_is_refused_and_changes_nothing() {
 
 /// A million velocities and sightings neither wear out the weights nor fill the memory.
 #[test]
-#[ignore = "a minute in release"]
+#[ignore = "a few seconds"]
 fn a_million_inputs() {
     let settings = LandmarkMclSettings { particles: 100, ..settings() };
     let mut filter = mcl(settings, 1);

@@ -1,6 +1,6 @@
 //! `mcl` among landmarks: Monte Carlo localization by sightings (M5).
 
-use super::{Estimate, Judgement, Localizer, MethodSettings, seen_at};
+use super::{Cloud, Estimate, Judgement, Localizer, MethodSettings, seen_at};
 use crate::Result;
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
@@ -67,5 +67,13 @@ impl Localizer for SightMcl {
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {
         Ok(self.mcl.estimate(stamp)?.into())
+    }
+
+    fn cloud(&self) -> Option<Cloud> {
+        let cloud = Cloud::of(self.mcl.particles());
+        Some(match self.mcl.weighed() {
+            Some(weighed) => cloud.with_weighed(weighed),
+            None => cloud,
+        })
     }
 }

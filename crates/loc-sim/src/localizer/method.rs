@@ -102,9 +102,7 @@ impl Method {
             Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings)?),
             Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
             Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
-            Method::Mcl if setup.map.is_none() && !setup.landmarks.is_empty() => {
-                Box::new(SightMcl::new(setup, settings)?)
-            }
+            Method::Mcl if !setup.landmarks.is_empty() => Box::new(SightMcl::new(setup, settings)?),
             Method::Mcl => Box::new(ScanMcl::new(setup, settings)?),
         })
     }

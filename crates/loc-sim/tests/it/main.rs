@@ -5,6 +5,7 @@ mod carmen;
 #[cfg(feature = "cli")]
 mod cli;
 mod consistency;
+mod demonstration;
 #[cfg(feature = "cli")]
 mod convergence;
 #[cfg(feature = "cli")]
@@ -13,6 +14,7 @@ mod evo;
 mod figures;
 #[cfg(feature = "cli")]
 mod fit_beam;
+mod landmark_mcl;
 mod layering;
 #[cfg(feature = "cli")]
 mod map;

@@ -64,7 +64,8 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
 /// Whether the run is drawn as the lectures draw Monte Carlo localization (M10): the true path
 /// solid, odometry dotted, the estimate dashed. With Kalman filters (H2) the true path is dotted.
 fn has_particles(run: &Run) -> bool {
-    run.methods.iter().any(|record| !record.snapshots.is_empty())
+    let kalman = run.methods.iter().any(|record| record.method == Method::Ekf);
+    !kalman && run.methods.iter().any(|record| !record.snapshots.is_empty())
 }
 
 /// How the path of the k-th method is drawn.

@@ -4,6 +4,7 @@ mod clouds;
 mod errors;
 mod map;
 mod rail;
+mod resampling;
 
 use crate::record::Run;
 
@@ -19,7 +20,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 10] = [
+pub const NAMES: [&str; 11] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -30,6 +31,7 @@ pub const NAMES: [&str; 10] = [
     "probability.svg",
     "stages.svg",
     "diversity.svg",
+    "resampling.svg",
 ];
 
 /// The figures that suit a run.
@@ -39,6 +41,7 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     }
     let mut figures = vec![map::map(run, title)];
     figures.extend(clouds::clouds(run));
+    figures.extend(resampling::resampling(run));
     if run.truth.is_empty() {
         return figures;
     }

@@ -1,16 +1,15 @@
 //! The configuration of a simulated robot in the plane.
 
+use super::body::{Body, LegConfig, WheelConfig};
 use crate::Result;
 use crate::config::field;
-use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
+use crate::source::SightNoiseConfig;
+use crate::source::tour::WorldConfig;
 use loc_core::error::{finite, non_negative, positive};
-use loc_core::kinematics::Differential;
-use loc_core::motion::VelocityNoise;
 use loc_core::{Pose2, Twist2};
 use loc_filters::landmark::LandmarkSettings;
-use loc_maps::{Landmark, LandmarkMap};
+use loc_maps::{Landmark, LandmarkMap, OccupancyGrid, worlds};
 use loc_sensors::landmark_camera::{LandmarkCamera, SightKind};
-use loc_sensors::wheel::{WheelFaults, WheelOdometry};
 use serde::Deserialize;
 
 /// A robot that drives a course among landmarks.
@@ -24,10 +23,14 @@ pub struct DriveConfig {
     pub start: StartConfig,
     /// The course, piece by piece.
     pub course: Vec<Segment>,
-    /// The wheels and their odometry.
-    pub wheels: WheelConfig,
+    /// The wheels and their odometry. Either this or `legs`.
+    pub wheels: Option<WheelConfig>,
+    /// Legs and their odometry.
+    pub legs: Option<LegConfig>,
     /// The camera, if there is one.
     pub camera: Option<CameraConfig>,
+    /// A generated world with its landmarks. Either this or `landmarks`.
+    pub world: Option<WorldConfig>,
     /// The landmarks.
     #[serde(default)]
     pub landmarks: Vec<LandmarkConfig>,
@@ -49,8 +52,8 @@ pub struct StartConfig {
     pub heading_sigma_deg: f64,
 }
 
-/// A piece of the course at constant velocity: either `v_m_s` and `omega_deg_s`, or the speeds of
-/// the two wheels.
+/// A piece of the course at constant velocity: either `v_m_s`, `sideways_m_s` and `omega_deg_s`, or
+/// the speeds of the two wheels.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
@@ -58,25 +61,14 @@ pub struct Segment {
     pub duration_s: f64,
     /// Forward speed.
     pub v_m_s: Option<f64>,
+    /// Speed to the left, of a robot on legs.
+    pub sideways_m_s: Option<f64>,
     /// Turn rate, counter-clockwise.
     pub omega_deg_s: Option<f64>,
     /// Speed of the left wheel.
     pub left_m_s: Option<f64>,
     /// Speed of the right wheel.
     pub right_m_s: Option<f64>,
-}
-
-/// A differential drive and what its odometry gets wrong.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WheelConfig {
-    /// Distance between the wheels.
-    pub track_m: f64,
-    /// Random errors.
-    pub noise: Option<OdometryNoiseConfig>,
-    /// Systematic errors.
-    #[serde(default)]
-    pub faults: WheelFaults,
 }
 
 /// A camera that sees landmarks.
@@ -156,7 +148,7 @@ impl DriveConfig {
             finite("drive.start", value)?;
         }
         self.start.sigmas()?;
-        self.odometry()?;
+        self.body()?.odometry()?;
         self.map()?;
         Ok(())
     }
@@ -182,47 +174,56 @@ impl DriveConfig {
     /// # Errors
     /// [`crate::Error::Config`] unless it is given in exactly one of the two ways.
     pub(crate) fn twist(&self, segment: &Segment) -> Result<Twist2> {
-        let twist = match segment {
-            Segment { v_m_s: Some(v), omega_deg_s, left_m_s: None, right_m_s: None, .. } => {
-                Twist2::forward(*v, omega_deg_s.unwrap_or(0.0).to_radians())
+        let body = self.body()?;
+        let Segment { v_m_s, sideways_m_s, omega_deg_s, left_m_s, right_m_s, .. } = *segment;
+        let by_body = v_m_s.is_some() || sideways_m_s.is_some();
+        let by_wheels = omega_deg_s.is_none() && !by_body;
+        let from_wheels = match (left_m_s, right_m_s) {
+            (Some(left), Some(right)) if by_wheels => body.by_wheels(left, right)?,
+            _ => None,
+        };
+        let omega = omega_deg_s.unwrap_or(0.0).to_radians();
+        let sidesteps = sideways_m_s.is_some() && !body.can_sidestep();
+        let twist = match from_wheels {
+            Some(twist) => twist,
+            None if by_body && left_m_s.is_none() && right_m_s.is_none() && !sidesteps => {
+                Twist2::new(v_m_s.unwrap_or(0.0), sideways_m_s.unwrap_or(0.0), omega)
             }
-            Segment {
-                v_m_s: None,
-                omega_deg_s: None,
-                left_m_s: Some(left),
-                right_m_s: Some(right),
-                ..
-            } => Differential::new(self.wheels.track_m)?.twist(*left, *right),
-            _ => {
-                let expected = "v_m_s with omega_deg_s, or left_m_s with right_m_s";
+            None => {
+                let expected = "v_m_s with omega_deg_s, or left_m_s with right_m_s; on legs also \
+                                sideways_m_s";
                 return Err(field("drive.course", expected, &format!("{segment:?}")));
             }
         };
         finite("drive.course: speed [m/s]", twist.vx)?;
+        finite("drive.course: speed to the left [m/s]", twist.vy)?;
         finite("drive.course: turn rate [rad/s]", twist.omega)?;
         Ok(twist)
     }
 
-    /// The simulated odometry.
+    /// What the robot stands on.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`].
-    pub(crate) fn odometry(&self) -> Result<WheelOdometry> {
-        let odometry = WheelOdometry::new(self.wheels.track_m)?.with_noise(self.wheel_noise()?);
-        Ok(odometry.with_faults(self.wheels.faults)?)
+    /// [`crate::Error::Config`] unless it is wheels or legs.
+    pub(super) fn body(&self) -> Result<Body<'_>> {
+        Body::of(self.wheels.as_ref(), self.legs.as_ref())
     }
 
-    fn wheel_noise(&self) -> Result<VelocityNoise> {
-        self.wheels.noise.map_or(Ok(VelocityNoise::NONE), |noise| noise.noise())
-    }
-
-    /// The landmarks as a map.
+    /// The landmarks as a map, and the floor that they stand on, where it is known.
     ///
     /// # Errors
-    /// [`loc_maps::Error`] for a number that occurs twice.
-    pub(crate) fn map(&self) -> Result<LandmarkMap> {
+    /// [`loc_maps::Error`] for a number that occurs twice, [`crate::Error::Config`] for landmarks
+    /// beside those of a world.
+    pub(crate) fn map(&self) -> Result<(LandmarkMap, Option<OccupancyGrid>)> {
         let planar = |l: &LandmarkConfig| Landmark::planar(l.id, l.x_m, l.y_m);
-        Ok(LandmarkMap::new(self.landmarks.iter().map(planar))?)
+        let Some(world) = &self.world else {
+            return Ok((LandmarkMap::new(self.landmarks.iter().map(planar))?, None));
+        };
+        if !self.landmarks.is_empty() {
+            return Err(field("drive.landmarks", "none beside those of the world", "some"));
+        }
+        let world = worlds::by_name(&world.name, &world.settings()?)?;
+        Ok((world.landmarks, Some(world.grid)))
     }
 
     /// What the methods are told unless a filter section says otherwise: the truth.
@@ -231,7 +232,7 @@ impl DriveConfig {
     /// [`loc_core::Error::OutOfRange`].
     pub(crate) fn settings(&self) -> Result<LandmarkSettings> {
         let mut settings =
-            LandmarkSettings { motion_noise: self.wheel_noise()?, ..Default::default() };
+            LandmarkSettings { motion_noise: self.body()?.noise()?, ..Default::default() };
         if let Some(camera) = &self.camera {
             let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
             settings = LandmarkSettings { mounting, sight_noise: noise, ..settings };

@@ -1,20 +1,22 @@
 //! A simulated robot that drives a course among landmarks.
 
+mod body;
 mod config;
 
-pub use config::{CameraConfig, DriveConfig, LandmarkConfig, Segment, StartConfig, WheelConfig};
+pub use body::{LegConfig, WheelConfig};
+pub use config::{CameraConfig, DriveConfig, LandmarkConfig, Segment, StartConfig};
 
 use super::reorder::Reorder;
 use super::{Setup, Source};
 use crate::Result;
 use crate::event::{Control, Event, Measurement, Payload, Truth};
+use body::BodyOdometry;
 use loc_core::gaussian::pose_belief;
 use loc_core::motion::Integration;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::landmark_camera::LandmarkCamera;
-use loc_sensors::wheel::WheelOdometry;
 use std::sync::Arc;
 
 /// A robot in simulation. It drives exact arcs; its odometry and its camera see them with errors,
@@ -27,7 +29,7 @@ pub struct SimulatedDrive {
     step: usize,
     dt: f64,
     pose: Pose2,
-    odometry: WheelOdometry,
+    odometry: BodyOdometry,
     odometry_rng: ChaCha8Rng,
     camera: Option<Camera>,
     waiting: Reorder,
@@ -55,14 +57,15 @@ impl SimulatedDrive {
         let pose = config.start.pose();
         let mut start_belief = pose_belief(pose, config.start.sigmas()?);
         start_belief.mean = start_belief.sample(&mut stream(seed, "start"));
+        let (landmarks, floor) = config.map()?;
         let setup = Setup {
             name: name.into(),
             start: 0.0,
             end: course.len() as f64 * config.time_step_s,
             start_belief,
             rail: None,
-            landmarks: Arc::new(config.map()?),
-            map: None,
+            landmarks: Arc::new(landmarks),
+            map: floor.map(Arc::new),
             kidnapped_at: None,
         };
         let camera = match &config.camera {
@@ -80,7 +83,7 @@ impl SimulatedDrive {
             step: 0,
             dt: config.time_step_s,
             pose,
-            odometry: config.odometry()?,
+            odometry: config.body()?.odometry()?,
             odometry_rng: stream(seed, "odometry"),
             camera,
             waiting: Reorder::default(),

@@ -1,0 +1,144 @@
+//! What the particle filter does inside: M2 and M11.
+
+use loc_sim::demonstration::mcl_1d::Stage;
+use loc_sim::demonstration::{DemonstrationConfig, Diversity, DiversityConfig, Mcl1d, Mcl1dConfig};
+use loc_sim::scenario::Scenario;
+use roxmltree::Document;
+
+fn scenario(name: &str, changes: &[&str]) -> Scenario {
+    let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+    Scenario::named(name, &changes).unwrap()
+}
+
+fn corridor() -> Mcl1dConfig {
+    match scenario("mcl-1d", &[]).demonstration {
+        Some(DemonstrationConfig::Mcl1d(config)) => config,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn standing() -> DiversityConfig {
+    match scenario("diversity", &[]).demonstration {
+        Some(DemonstrationConfig::Diversity(config)) => config,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The posterior on a fine grid, by Bayes and a convolution.
+fn exact_share_near_truth(config: &Mcl1dConfig) -> f64 {
+    const STEP: f64 = 0.02;
+    let count = (config.length_m / STEP).round() as usize;
+    let place = |k: usize| (k as f64 + 0.5) * STEP;
+    let first: Vec<f64> = (0..count).map(|k| config.likelihood(place(k))).collect();
+    let mut after = vec![0.0; count];
+    for (k, weight) in first.iter().enumerate() {
+        let mean = place(k) + config.drive_m;
+        let normal = |x: f64| (-0.5 * ((x - mean) / config.drive_sigma_m).powi(2)).exp();
+        let total: f64 = (0..3 * count).map(|j| normal(place(j))).sum();
+        for j in 0..3 * count {
+            // What would lie behind the wall stands at it.
+            after[j.min(count - 1)] += weight * normal(place(j)) / total;
+        }
+    }
+    let weighed = |k: usize| after[k] * config.likelihood(place(k));
+    let truth = config.start_m + config.drive_m;
+    let near = (0..count).filter(|&k| (place(k) - truth).abs() <= 1.0).map(weighed).sum::<f64>();
+    near / (0..count).map(weighed).sum::<f64>()
+}
+
+#[test]
+fn five_stages_find_the_robot() {
+    let config = Mcl1dConfig { particles: 20_000, ..corridor() };
+    let stages = Mcl1d::new(&config, 1).unwrap().stages;
+    assert_eq!(stages.len(), 5);
+    let near: Vec<f64> = stages.iter().map(Stage::near_truth).collect();
+    assert!((near[0] - 0.1).abs() < 0.005, "2 m of 20 m: {near:?}");
+    let exact = exact_share_near_truth(&config);
+    println!("near the truth at the end: {:.3}, exactly {exact:.3}", near[3]);
+    assert!((near[3] - exact).abs() < 0.02 && (near[4] - exact).abs() < 0.02, "{near:?} {exact}");
+    for stage in &stages {
+        let total: f64 = stage.particles.iter().map(|(_, weight)| weight).sum();
+        assert!((total - 1.0).abs() < 1e-9);
+        let equal =
+            stage.particles.iter().all(|(_, weight)| (weight * 20_000.0 - 1.0).abs() < 1e-9);
+        assert_eq!(equal, !stage.weighed);
+    }
+}
+
+/// Roulette ends in copies of one particle; the others keep all, with equal weights.
+#[test]
+fn only_roulette_loses_the_particles_of_a_robot_that_stands_still() {
+    let diversity = Diversity::new(&standing(), 1).unwrap();
+    let left = |name: &str| diversity.equal.iter().find(|c| c.name == name).unwrap().left();
+    assert_eq!(left("roulette"), 1);
+    for name in ["spoke wheel", "stratified", "residual"] {
+        assert_eq!(left(name), 200, "{name}");
+    }
+    for course in &diversity.equal {
+        assert!(course.ancestors.windows(2).all(|pair| pair[1] <= pair[0]), "{}", course.name);
+    }
+}
+
+/// Kingman: k lines of N particles meet after about 2 N / (k (k - 1)) rounds of roulette, all of
+/// them after 2 N.
+#[test]
+fn roulette_takes_as_long_as_theory_says() {
+    let config = DiversityConfig { particles: 50, steps: 1000, ..standing() };
+    let rounds = (0..40).map(|seed| {
+        let roulette = &Diversity::new(&config, seed).unwrap().equal[0].ancestors;
+        roulette.iter().position(|left| *left == 1).unwrap() as f64
+    });
+    let mean = rounds.sum::<f64>() / 40.0;
+    // 2 N (1 - 1/N) = 98, standard deviation about 1.08 N = 54 each.
+    assert!((mean - 98.0).abs() < 3.0 * 54.0 / 40_f64.sqrt(), "{mean}");
+}
+
+/// Where weights scatter all lose some: the spoke wheel least, and less when resampled seldom.
+#[test]
+fn seldom_is_better_where_weights_differ() {
+    let mut sums = [0; 5];
+    for seed in 0..6 {
+        let config = DiversityConfig { particles: 100, steps: 300, ..standing() };
+        let diversity = Diversity::new(&config, seed).unwrap();
+        let courses = [&diversity.scattered[0], &diversity.scattered[2], &diversity.scattered[3]];
+        let courses = courses.into_iter().chain(&diversity.seldom[1..]);
+        courses.zip(&mut sums).for_each(|(course, sum)| *sum += course.left());
+    }
+    let [roulette, stratified, spokes, tenth, share] = sums;
+    println!("{sums:?}");
+    assert!(roulette < stratified && stratified < spokes && spokes < tenth.min(share), "{sums:?}");
+}
+
+#[test]
+fn figures_are_written_and_the_same_for_the_same_seed() {
+    for (name, file) in [("mcl-1d", "stages.svg"), ("diversity", "diversity.svg")] {
+        let scenario = scenario(name, &[]);
+        let files = |seed| {
+            let illustration = scenario.illustrate(seed).unwrap().unwrap();
+            illustration.files(&scenario.title, "loc-sim").unwrap()
+        };
+        let (first, second) = (files(1), files(1));
+        assert!(Document::parse(first.text(file).unwrap()).is_ok());
+        assert_eq!(first.text(file), second.text(file));
+        assert_ne!(first.text(file), files(2).text(file));
+        assert!(scenario.run(None, None, &mut |_| {}).is_err());
+    }
+}
+
+#[test]
+fn bad_values_name_their_key() {
+    for (name, change, message) in [
+        ("mcl-1d", "particles=0", "demonstration.particles: expected 1 to 100000, got `0`"),
+        ("mcl-1d", "doors_m=[25.0]", "demonstration.doors_m: expected a place in the corridor"),
+        ("mcl-1d", "drive_m=17.0", "start_m + drive_m: expected a place in the corridor, got `21`"),
+        ("mcl-1d", "false_door=0.0", "demonstration.false_door: expected a finite number > 0"),
+        ("diversity", "steps=0", "demonstration.steps: expected 1 to 100000, got `0`"),
+        ("diversity", "effective_share=2.0", "effective share of the particles"),
+        ("diversity", "kind=\"magic\"", "unknown variant `magic`"),
+        ("diversity", "colour=1", "unknown field `colour`"),
+    ] {
+        let change = format!("demonstration.{change}");
+        let error = Scenario::named(name, &[change]).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+}
