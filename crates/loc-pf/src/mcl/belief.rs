@@ -126,7 +126,7 @@ impl Belief {
         let alarmed = suspicion.is_alarmed();
         if alarmed && let Some(found) = self.look_everywhere(map, scan, endpoints) {
             let probability = suspicion.judge(found.log_evidence, log_evidence, beams);
-            if suspicion.is_alarmed() {
+            if suspicion.is_worth_following() {
                 self.mix_in(&found.cloud, probability);
                 suspicion.clear();
             }

@@ -25,6 +25,7 @@
 //! ```
 
 mod belief;
+mod field;
 mod observation;
 mod recover;
 mod settings;
@@ -42,6 +43,7 @@ pub use settings::{
 pub use state::MclState;
 pub use update::{Update, UpdateReport};
 
+use crate::confidence::{LostMonitor, ScanRater};
 use crate::estimate::Clusterer;
 use crate::motion::{DrivenPath, NoisyStep};
 use crate::{Estimate, Particles, Result};
@@ -63,6 +65,8 @@ pub struct Mcl {
     start: Option<Gaussian<3>>,
     clusterer: Clusterer,
     estimate: Estimate,
+    rater: ScanRater,
+    monitor: LostMonitor,
 }
 
 impl Mcl {
@@ -73,11 +77,23 @@ impl Mcl {
     pub fn new(map: &OccupancyGrid, settings: MclSettings, rng: ChaCha8Rng) -> Result<Self> {
         settings.validate()?;
         let surroundings = Surroundings::new(map, &settings)?;
-        let belief = Belief::new(&settings, surroundings.free_space.area(), rng)?;
+        let mut belief = Belief::new(&settings, surroundings.free_space.area(), rng)?;
         let mut clusterer = Clusterer::new(settings.clusters)?;
         let estimate = clusterer.estimate(&Particles::new());
-        let mut mcl =
-            Mcl { settings, surroundings, belief, path: None, start: None, clusterer, estimate };
+        let rater = ScanRater::new(map, belief.filter.rng_mut())?;
+        let monitor = LostMonitor::new(settings.lost)?;
+        let (path, start) = (None, None);
+        let mut mcl = Mcl {
+            settings,
+            surroundings,
+            belief,
+            path,
+            start,
+            clusterer,
+            estimate,
+            rater,
+            monitor,
+        };
         mcl.start_anywhere();
         Ok(mcl)
     }
@@ -117,10 +133,10 @@ impl Mcl {
         self.path.map(|path| self.estimate.belief.pose() * path.start().inverse())
     }
 
-    /// The probability that the robot is not where [`pose`](Mcl::pose) says: it is at another
-    /// cluster, or the whole cloud is lost.
+    /// The probability that the robot is not where the last update put it, to within
+    /// [`LostSettings`](crate::confidence::LostSettings): calibrated over simulated drives, see
+    /// [`crate::confidence`].
     pub fn lost(&self) -> f64 {
-        let elsewhere = self.belief.suspicion.map_or(0.0, |suspicion| suspicion.probability());
-        1.0 - (1.0 - elsewhere) * self.estimate.share()
+        self.monitor.probability()
     }
 }

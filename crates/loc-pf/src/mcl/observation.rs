@@ -21,7 +21,7 @@ pub struct MountedScan<'a> {
 /// Scans that were made at one moment, ready to rate poses.
 pub(super) enum Observation<'a> {
     Product(FieldLikelihood<'a>),
-    SumOfCubes(SumOfCubes<'a>),
+    SumOfCubes(Box<SumOfCubes<'a>>),
     Beams(Vec<BeamLikelihood<'a>>),
 }
 

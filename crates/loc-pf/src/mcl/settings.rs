@@ -1,5 +1,6 @@
 //! All settings of Monte Carlo localization, with defaults that serve most robots.
 
+use crate::confidence::LostSettings;
 use crate::estimate::ClusterSettings;
 use crate::motion::{OmnidirectionalNoise, PathNoise};
 use crate::novelty::{DistanceFilter, EntropyFilter};
@@ -47,6 +48,8 @@ pub struct MclSettings {
     pub recovery: RecoverySettings,
     /// How the cloud falls into clusters.
     pub clusters: ClusterSettings,
+    /// When the robot counts as lost.
+    pub lost: LostSettings,
     /// Number of threads; the results do not depend on it.
     pub threads: usize,
 }
@@ -91,7 +94,9 @@ pub enum NoveltyFilter {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct FieldSettings {
-    /// The field.
+    /// The field; its `sigma_hit` is at least 20 times the square of a cell's side \[m\], which is
+    /// 0.05 m for cells of 0.05 m and 0.2 m for cells of 0.1 m.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "super::field::over_sharp"))]
     pub field: LikelihoodFieldSettings,
     /// How the beams of a scan are taken together.
     pub weighting: Weighting,
@@ -152,12 +157,7 @@ impl SensorSettings {
 impl Default for FieldSettings {
     /// A sharper field than [`LikelihoodFieldSettings`] has by itself: the filter can follow it.
     fn default() -> Self {
-        let field = LikelihoodFieldSettings {
-            sigma_hit: 0.05,
-            z_hit: 0.8,
-            z_rand: 0.2,
-            ..LikelihoodFieldSettings::default()
-        };
+        let field = super::field::sharp();
         FieldSettings { field, weighting: Weighting::Product, beam_skip: None }
     }
 }
@@ -187,6 +187,7 @@ impl Default for MclSettings {
             policy: ResamplePolicy::default(),
             recovery: RecoverySettings::default(),
             clusters: ClusterSettings::default(),
+            lost: LostSettings::default(),
             threads: 1,
         }
     }
@@ -232,6 +233,7 @@ impl MclSettings {
         self.recovery.suspicion.iter().try_for_each(SuspicionSettings::validate)?;
         self.recovery.augmented.iter().try_for_each(AugmentedSettings::validate)?;
         self.policy.validate()?;
+        self.lost.validate()?;
         self.clusters.validate()
     }
 }

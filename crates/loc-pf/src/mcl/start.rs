@@ -1,6 +1,7 @@
 //! Where the robot may be at the start.
 
 use super::Mcl;
+use crate::confidence::LostMonitor;
 use crate::recovery::{AugmentedMcl, Suspicion};
 use crate::{Error, Particles, Result};
 use loc_core::Gaussian;
@@ -42,6 +43,7 @@ impl Mcl {
         belief.updates_since_resampling = 0;
         belief.suspicion.iter_mut().for_each(Suspicion::clear);
         belief.augmented.iter_mut().for_each(AugmentedMcl::reset);
+        self.monitor = LostMonitor::new(self.settings.lost).unwrap_or(self.monitor);
         self.estimate = self.clusterer.estimate(belief.filter.particles());
     }
 }

@@ -1,6 +1,7 @@
 //! What a filter knows, to be kept over a restart of the robot.
 
 use super::Mcl;
+use crate::confidence::LostMonitor;
 use crate::motion::DrivenPath;
 use crate::recovery::{AugmentedMcl, Suspicion};
 use crate::{Error, Particles, Result};
@@ -21,6 +22,7 @@ pub struct MclState {
     updates_since_resampling: usize,
     suspicion: Option<Suspicion>,
     augmented: Option<AugmentedMcl>,
+    monitor: LostMonitor,
 }
 
 impl Mcl {
@@ -37,6 +39,7 @@ impl Mcl {
             updates_since_resampling: belief.updates_since_resampling,
             suspicion: belief.suspicion,
             augmented: belief.augmented,
+            monitor: self.monitor,
         }
     }
 
@@ -59,6 +62,7 @@ impl Mcl {
         belief.is_anywhere = state.is_anywhere;
         belief.updates_since_resampling = state.updates_since_resampling;
         (belief.suspicion, belief.augmented) = (state.suspicion, state.augmented);
+        self.monitor = state.monitor;
         self.estimate = self.clusterer.estimate(belief.filter.particles());
         Ok(())
     }

@@ -29,7 +29,7 @@ const SAMPLE: usize = 64;
 impl Surroundings {
     pub(super) fn new(map: &OccupancyGrid, settings: &MclSettings) -> Result<Self> {
         let free_space = FreeSpace::new(map)?;
-        let field = settings.sensor.field();
+        let field = as_wide_as_cells(settings.sensor.field(), map);
         let casts = matches!(settings.sensor, SensorSettings::Beam(_))
             || matches!(settings.novelty, Some(NoveltyFilter::Distance(_)));
         let search = settings.recovery.search.then(|| search(map, &field)).transpose()?;
@@ -83,7 +83,7 @@ impl Surroundings {
             (SensorSettings::LikelihoodField(field), _)
                 if field.weighting == Weighting::SumOfCubes =>
             {
-                Observation::SumOfCubes(SumOfCubes::new(&self.field, endpoints))
+                Observation::SumOfCubes(Box::new(SumOfCubes::new(&self.field, endpoints)))
             }
             _ => Observation::Product(FieldLikelihood { field: &self.field, endpoints, exponent }),
         })
@@ -103,4 +103,14 @@ fn search(map: &OccupancyGrid, field: &LikelihoodFieldSettings) -> Result<Global
         ..SearchSettings::default()
     };
     GlobalSearch::new(map, field, settings)
+}
+
+/// A field cannot be sharper than the map: a map of coarse cells is coarse in its walls as well.
+/// 0.05 m suits cells of 0.05 m, 0.2 m those of 0.1 m.
+fn as_wide_as_cells(
+    field: LikelihoodFieldSettings,
+    map: &OccupancyGrid,
+) -> LikelihoodFieldSettings {
+    let least = 20.0 * map.resolution().powi(2);
+    LikelihoodFieldSettings { sigma_hit: field.sigma_hit.max(least), ..field }
 }

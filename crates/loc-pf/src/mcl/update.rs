@@ -91,7 +91,11 @@ impl Mcl {
         let endpoints = self.agreeing(&step, endpoints(scans, &beams));
         let scan = self.surroundings.observe(scans, &beams, &endpoints, &self.settings)?;
         let report = self.belief.update(&step, &scan, &endpoints, &self.surroundings);
-        self.estimate = self.clusterer.estimate(self.belief.filter.particles());
+        let particles = self.belief.filter.particles();
+        self.estimate = self.clusterer.estimate(particles);
+        let pose = self.estimate.belief.pose();
+        let support = self.monitor.settings().tolerance.support(particles, pose);
+        self.monitor.update(self.rater.rate(pose, scans), support);
         Ok(report)
     }
 

@@ -16,6 +16,8 @@ pub struct SuspicionSettings {
     pub adaptation: f64,
     /// Extent of a place in the space of poses \[m^2 rad\]: about what a sharp scan leaves.
     pub place: f64,
+    /// From this probability on, what a search found is followed beside the cloud.
+    pub follow: f64,
     /// The most updates to wait after a search that found nothing better.
     pub longest_pause: u32,
 }
@@ -27,6 +29,7 @@ impl Default for SuspicionSettings {
             alarm: 0.1,
             adaptation: 0.05,
             place: 0.01,
+            follow: 0.005,
             longest_pause: 16,
         }
     }
@@ -41,6 +44,7 @@ impl SuspicionSettings {
         probability("rate of kidnappings", self.rate)?;
         let share = |v: f64| v > 0.0 && v < 1.0;
         let expected = "a probability above 0 and below 1";
+        in_range("follow of the suspicion", expected, self.follow, share)?;
         in_range("alarm of the suspicion", expected, self.alarm, share)?;
         probability("adaptation of the usual evidence", self.adaptation)?;
         positive("extent of a place [m^2 rad]", self.place)?;
@@ -69,6 +73,9 @@ pub struct UsualEvidence {
 pub struct Suspicion {
     settings: SuspicionSettings,
     usual: f64,
+    /// The same over the last updates, good and bad.
+    recent: f64,
+    expected: f64,
     least: f64,
     /// How far below the usual evidence that of a new place may be, in nats a beam.
     tolerance: f64,
@@ -79,6 +86,9 @@ pub struct Suspicion {
     pause: u32,
     waiting: u32,
 }
+
+/// Share by which the recent evidence follows each update.
+const RECENT: f64 = 0.1;
 
 /// Odds beyond e^10 to either side would take too long to turn.
 const SUREST: f64 = 10.0;
@@ -96,6 +106,8 @@ impl Suspicion {
         Ok(Suspicion {
             settings,
             usual: expected,
+            recent: expected,
+            expected,
             least,
             tolerance: 0.6 * (expected - least),
             log_places: places.ln(),
@@ -116,6 +128,9 @@ impl Suspicion {
         let elsewhere = self.usual.max(self.least) * beams - self.log_places;
         let odds = (carried_off / (1.0 - carried_off)).ln() + elsewhere - log_evidence;
         self.log_odds = if odds.is_nan() { self.log_odds } else { odds.clamp(-SUREST, SUREST) };
+        if log_evidence.is_finite() {
+            self.recent += RECENT * (log_evidence / beams - self.recent);
+        }
         if self.log_odds < 0.0 && log_evidence.is_finite() {
             self.usual += self.settings.adaptation * (log_evidence / beams - self.usual);
         }
@@ -127,9 +142,16 @@ impl Suspicion {
         1.0 / (1.0 + (-self.log_odds).exp())
     }
 
-    /// Whether to search the map now.
+    /// Whether to search the map now: the robot may be elsewhere, or scans have not fitted for some
+    /// time, and the last search in vain is long enough ago.
     pub fn is_alarmed(&self) -> bool {
-        self.waiting == 0 && self.probability() >= self.settings.alarm
+        let doubtful = self.recent < self.expected - self.tolerance;
+        self.waiting == 0 && (doubtful || self.probability() >= self.settings.alarm)
+    }
+
+    /// Whether what the last search found is to be followed.
+    pub fn is_worth_following(&self) -> bool {
+        self.probability() >= self.settings.follow
     }
 
     /// A search rated the places of the map: `log_evidence_elsewhere` is the logarithm of the mean
@@ -147,7 +169,7 @@ impl Suspicion {
         let fits = at_its_best >= self.usual.max(self.least) - self.tolerance;
         self.log_odds = if fits && !odds.is_nan() { odds.clamp(-SUREST, SUREST) } else { -SUREST };
         let probability = self.probability();
-        if probability < self.settings.alarm {
+        if probability < self.settings.follow {
             self.waiting = self.pause;
             self.pause = (2 * self.pause).min(self.settings.longest_pause);
         } else {
@@ -158,6 +180,7 @@ impl Suspicion {
 
     /// No suspicion any more: the cloud covers the places that were suspected.
     pub fn clear(&mut self) {
-        (self.log_odds, self.pause, self.waiting) = (-SUREST, 1, 0);
+        (self.log_odds, self.pause, self.waiting) = (-SUREST, 1, 4);
+        self.recent = self.expected;
     }
 }

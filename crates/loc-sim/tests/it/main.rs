@@ -5,9 +5,9 @@ mod carmen;
 #[cfg(feature = "cli")]
 mod cli;
 mod consistency;
-mod demonstration;
 #[cfg(feature = "cli")]
 mod convergence;
+mod demonstration;
 #[cfg(feature = "cli")]
 mod eval;
 mod evo;
