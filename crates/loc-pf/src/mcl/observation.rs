@@ -1,7 +1,7 @@
 //! Scans, made ready to rate poses.
 
 use super::{MclSettings, SensorSettings};
-use crate::sensor::beam::telling_beams;
+use crate::sensor::beam::telling_beams_from;
 use crate::sensor::{BeamLikelihood, FieldLikelihood, SumOfCubes};
 use crate::{Likelihood, Poses};
 use loc_core::Pose2;
@@ -41,7 +41,10 @@ impl Likelihood for Observation<'_> {
 /// field, also those without a return for the beam model; thinned after the others are dropped.
 pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
     match settings.sensor {
-        SensorSettings::Beam(_) => telling_beams(scan, settings.beams),
+        SensorSettings::Beam(_) => {
+            let nearest = settings.min_range.max(scan.range_min);
+            telling_beams_from(scan, nearest, settings.beams)
+        }
         SensorSettings::LikelihoodField(_) => {
             let range = settings.min_range..=settings.max_range;
             let beams = scan.beams().filter(|beam| range.contains(&beam.range));

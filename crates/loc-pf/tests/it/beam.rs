@@ -2,18 +2,20 @@
 
 use approx::assert_abs_diff_eq;
 use loc_core::Pose2;
+use loc_core::gaussian::pose_belief;
 use loc_core::random::stream;
 use loc_maps::RayCaster;
 use loc_maps::grid::{GridFrame, OccupancyGrid};
 use loc_maps::worlds::{self, WorldSettings};
-use loc_pf::mcl::MountedScan;
+use loc_pf::mcl::{MountedScan, SensorSettings};
 use loc_pf::sensor::Likelihood;
 use loc_pf::sensor::beam::{
     BeamForm, BeamLikelihood, BeamModel, BeamModelSettings, RangeModel, telling_beams,
 };
-use loc_pf::{Error, Particles};
+use loc_pf::{Error, Mcl, MclSettings, Particles};
 use loc_sensors::laser::LaserScan;
 use loc_sensors::world::RangeWorld;
+use nalgebra::Point2;
 use rand::RngExt;
 
 const NOTHING: f64 = f64::INFINITY;
@@ -312,4 +314,32 @@ fn bad_input_is_refused_by_name() {
     assert!(matches!(new(&scan, Pose2::IDENTITY, 0.0), Err(Error::Core(_))));
     scan.ranges.fill(f64::NAN);
     assert!(matches!(new(&scan, Pose2::IDENTITY, 1.0), Err(Error::Core(_))));
+}
+
+/// What is nearer than the settings' `min_range` says as little as a beam that failed.
+#[test]
+fn beams_below_the_least_range_of_the_settings_are_not_used() {
+    let grid = office();
+    let frame = grid.frame();
+    let middle = Point2::new(frame.width() as f64 / 2.0, frame.height() as f64 / 2.0);
+    let place = frame.to_map(middle.x, middle.y);
+    let pose = Pose2::new(place.x, place.y, 0.3);
+    let clean = scan_at(&RayCaster::new(&grid), pose, 120, 12.0);
+    let changed = |range: f64| {
+        let mut scan = clean.clone();
+        scan.ranges.iter_mut().step_by(3).for_each(|beam| *beam = range);
+        scan
+    };
+    let estimate = |scan: &LaserScan, min_range: f64| {
+        let sensor = SensorSettings::Beam(twelve_metres());
+        let settings = MclSettings { sensor, min_range, ..Default::default() };
+        let mut mcl = Mcl::new(&grid, settings, stream(3, "mcl")).unwrap();
+        mcl.start_at(&pose_belief(pose, [0.2, 0.2, 0.1])).unwrap();
+        let mounted = MountedScan { scan, mounting: Pose2::IDENTITY };
+        mcl.update(Pose2::IDENTITY, &[mounted]).unwrap();
+        mcl.estimate().belief
+    };
+    let (bumper, failed) = (changed(0.2), changed(f64::NAN));
+    assert_eq!(estimate(&bumper, 0.5), estimate(&failed, 0.0));
+    assert_ne!(estimate(&bumper, 0.0), estimate(&failed, 0.0));
 }

@@ -65,17 +65,17 @@ impl Given {
         })
     }
 
-    /// Names a parameter, whatever its value, as one that changes nothing.
-    pub(super) fn pass_over(&mut self, key: &str, reason: &str) {
-        if let Some((_, line)) = self.parameters.remove(key) {
-            self.warn(line, key, reason);
+    /// Names those of some parameters that are given, whatever their values, as changing nothing;
+    /// in one warning, at the line of the first.
+    pub(super) fn pass_over(&mut self, keys: &[impl AsRef<str>], reason: &str) {
+        let mut found = Vec::new();
+        for key in keys.iter().map(AsRef::as_ref) {
+            found.extend(self.parameters.remove(key).map(|(_, line)| (line, key)));
         }
-    }
-
-    /// Takes a parameter out that nav2_amcl has no use for either under the other parameters.
-    pub(super) fn without_effect(&mut self, keys: &[&str]) {
-        for key in keys {
-            self.parameters.remove(*key);
+        found.sort_unstable();
+        if let Some((line, _)) = found.first() {
+            let keys: Vec<&str> = found.iter().map(|(_, key)| *key).collect();
+            self.warn(*line, &keys.join(", "), reason);
         }
     }
 

@@ -15,7 +15,6 @@
 //! ```
 
 mod given;
-mod laser;
 mod mapping;
 mod nodes;
 mod value;

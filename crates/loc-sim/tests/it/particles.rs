@@ -54,7 +54,7 @@ fn global_localization_ends_at_the_truth() {
     let run = run("global-localization", &["tour.duration_s=25.0"]);
     let errors = errors(&run, Method::Mcl);
     let (first, last) = (errors[0].1, errors[errors.len() - 1].1);
-    assert!(first > 2.0 && last < 0.2, "{first} {last}");
+    assert!(first > 1.0 && last < 0.2, "{first} {last}");
     let spread = |cloud: &Cloud| {
         let of = |k: fn(&Pose2) -> f64| {
             let values = || cloud.particles.iter().map(|(pose, _)| k(pose));

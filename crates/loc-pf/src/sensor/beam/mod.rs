@@ -44,6 +44,6 @@ mod settings;
 pub use likelihood::BeamLikelihood;
 pub use model::BeamModel;
 pub use range_model::RangeModel;
-pub(crate) use select::reading;
 pub use select::telling_beams;
+pub(crate) use select::{reading, telling_beams_from};
 pub use settings::{BeamForm, BeamModelSettings};

@@ -6,8 +6,13 @@ use loc_sensors::laser::LaserScan;
 /// measured ranges, and those where nothing returned (longer than the longest range, +inf).
 /// Failed beams (NaN) and those too near are dropped, before thinning.
 pub fn telling_beams(scan: &LaserScan, count: usize) -> Vec<usize> {
+    telling_beams_from(scan, scan.range_min, count)
+}
+
+/// The same with `nearest` \[m\] as the shortest range that says something.
+pub(crate) fn telling_beams_from(scan: &LaserScan, nearest: f64, count: usize) -> Vec<usize> {
     // Written so that NaN says nothing.
-    let tells = |(_, range): &(usize, &f64)| **range >= scan.range_min;
+    let tells = |(_, range): &(usize, &f64)| **range >= nearest;
     let all: Vec<usize> = scan.ranges.iter().enumerate().filter(tells).map(|(k, _)| k).collect();
     match count {
         _ if all.len() <= count => all,
