@@ -8,7 +8,7 @@ use loc_core::random::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// Particles of one part: enough to keep a thread busy, few enough to stay in its fastest memory.
-const PART: usize = 512;
+pub(crate) const PART: usize = 512;
 
 /// The threads that move and weigh particles.
 #[derive(Debug, Default)]

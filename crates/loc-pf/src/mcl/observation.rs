@@ -1,7 +1,7 @@
 //! Scans, made ready to rate poses.
 
 use super::{MclSettings, SensorSettings};
-use crate::sensor::beam::telling_beams_from;
+use crate::sensor::beam::{telling_beams_from, thinned};
 use crate::sensor::{BeamLikelihood, FieldLikelihood, SumOfCubes};
 use crate::{Likelihood, Poses};
 use loc_core::Pose2;
@@ -48,7 +48,7 @@ pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
         SensorSettings::LikelihoodField(_) => {
             let range = settings.min_range..=settings.max_range;
             let beams = scan.beams().filter(|beam| range.contains(&beam.range));
-            thinned(&beams.map(|beam| beam.index).collect::<Vec<_>>(), settings.beams)
+            thinned(beams.map(|beam| beam.index).collect(), settings.beams)
         }
     }
 }
@@ -64,13 +64,4 @@ pub(super) fn endpoints(scans: &[MountedScan<'_>], beams: &[Vec<usize>]) -> Endp
         })
     });
     ends.map(|Point2 { coords }| [coords.x, coords.y]).collect()
-}
-
-/// At most `count` of the beams, evenly spread; the first and the last are among them.
-fn thinned(beams: &[usize], count: usize) -> Vec<usize> {
-    if beams.len() <= count {
-        return beams.to_vec();
-    }
-    let (gaps, last) = (count.saturating_sub(1).max(1), beams.len() - 1);
-    (0..count).map(|k| beams[(k * last + gaps / 2) / gaps]).collect()
 }

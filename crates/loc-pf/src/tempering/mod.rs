@@ -34,12 +34,10 @@ mod settings;
 pub use settings::TemperingSettings;
 
 use crate::resample::Wheel;
+use crate::workers::PART;
 use crate::{Likelihood, ParticleFilter, Particles, Resampling, Transport};
 use part::{Part, Walk};
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Particles of one part.
-const PART: usize = 512;
 
 /// Takes measurements in by degrees; keeps its memory from one update to the next.
 #[derive(Debug, Default)]

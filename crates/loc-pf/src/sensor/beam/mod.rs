@@ -45,5 +45,5 @@ pub use likelihood::BeamLikelihood;
 pub use model::BeamModel;
 pub use range_model::RangeModel;
 pub use select::telling_beams;
-pub(crate) use select::{reading, telling_beams_from};
+pub(crate) use select::{reading, telling_beams_from, thinned};
 pub use settings::{BeamForm, BeamModelSettings};

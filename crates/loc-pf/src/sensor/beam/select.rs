@@ -13,14 +13,18 @@ pub fn telling_beams(scan: &LaserScan, count: usize) -> Vec<usize> {
 pub(crate) fn telling_beams_from(scan: &LaserScan, nearest: f64, count: usize) -> Vec<usize> {
     // Written so that NaN says nothing.
     let tells = |(_, range): &(usize, &f64)| **range >= nearest;
-    let all: Vec<usize> = scan.ranges.iter().enumerate().filter(tells).map(|(k, _)| k).collect();
+    thinned(scan.ranges.iter().enumerate().filter(tells).map(|(beam, _)| beam).collect(), count)
+}
+
+/// At most `count` of the beams, evenly spread; the first and the last are among them.
+pub(crate) fn thinned(beams: Vec<usize>, count: usize) -> Vec<usize> {
     match count {
-        _ if all.len() <= count => all,
+        _ if beams.len() <= count => beams,
         0 => Vec::new(),
-        1 => vec![all[all.len() / 2]],
+        1 => vec![beams[beams.len() / 2]],
         _ => {
-            let (gaps, last) = (count - 1, all.len() - 1);
-            (0..count).map(|k| all[(k * last + gaps / 2) / gaps]).collect()
+            let (gaps, last) = (count - 1, beams.len() - 1);
+            (0..count).map(|k| beams[(k * last + gaps / 2) / gaps]).collect()
         }
     }
 }
