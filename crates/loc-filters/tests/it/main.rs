@@ -6,3 +6,4 @@ mod extended;
 mod innovation;
 mod kalman;
 mod landmark;
+mod lateration;
