@@ -1,5 +1,6 @@
 //! `ekf`: the extended Kalman filter with landmarks (H2).
 
+use super::driven::DrivenVelocity;
 use super::{Estimate, Judgement, Localizer, Whitened, seen_at};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
@@ -12,6 +13,7 @@ use loc_sensors::landmark_camera::Sighting;
 pub(super) struct Ekf {
     localizer: LandmarkLocalizer,
     mounting: Pose2,
+    driven: DrivenVelocity,
 }
 
 impl Ekf {
@@ -25,7 +27,8 @@ impl Ekf {
         }
         let map = setup.landmarks.clone();
         let localizer = LandmarkLocalizer::new(map, settings, setup.start, setup.start_belief)?;
-        Ok(Ekf { localizer, mounting: settings.mounting })
+        let mounting = settings.mounting;
+        Ok(Ekf { localizer, mounting, driven: DrivenVelocity::default() })
     }
 
     fn judge(&self, pose: Pose2, outcome: &Outcome, sighting: &Sighting) -> Judgement {
@@ -41,8 +44,8 @@ impl Ekf {
 
 impl Localizer for Ekf {
     fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
-        if let Control::Velocity(twist) = control {
-            self.localizer.velocity(stamp, *twist)?;
+        if let Some((from, twist)) = self.driven.of(stamp, control) {
+            self.localizer.velocity(from, twist)?;
         }
         Ok(())
     }

@@ -4,6 +4,7 @@
 
 pub mod cloud;
 mod dead_reckoning;
+mod driven;
 mod ekf;
 mod landmark_mcl;
 mod mcl;
