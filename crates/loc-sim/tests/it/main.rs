@@ -27,5 +27,6 @@ mod recordings;
 mod replay;
 mod scenarios;
 mod sense;
+mod switches;
 mod tour;
 mod wean;
