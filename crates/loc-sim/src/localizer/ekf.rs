@@ -1,12 +1,12 @@
 //! `ekf`: the extended Kalman filter with landmarks (H2).
 
 use super::driven::DrivenVelocity;
-use super::{Estimate, Judgement, Localizer, seen_at};
+use super::{Estimate, Judgement, Localizer, Whitened, seen_at};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
-use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, Outcome};
+use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, Outcome, Verdict};
 use loc_sensors::landmark_camera::Sighting;
 
 #[derive(Debug)]
@@ -36,6 +36,7 @@ impl Ekf {
             accepted: outcome.accepted(),
             nis: outcome.nis(),
             degrees_of_freedom: outcome.degrees_of_freedom(),
+            whitened: whitened(outcome),
             seen_at: seen_at(pose * self.mounting, sighting),
         }
     }
@@ -66,5 +67,13 @@ impl Localizer for Ekf {
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {
         Ok(self.localizer.estimate(stamp)?.into())
+    }
+}
+
+fn whitened(outcome: &Outcome) -> Whitened {
+    match &outcome.verdict {
+        Verdict::UnknownLandmark => Whitened::NONE,
+        Verdict::RangeBearing(innovation) => innovation.whitened.into(),
+        Verdict::Range(innovation) | Verdict::Bearing(innovation) => innovation.whitened.into(),
     }
 }

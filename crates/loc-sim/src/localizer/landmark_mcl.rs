@@ -39,9 +39,8 @@ impl SightMcl {
         let trust = update.trust.iter().find(|trust| trust.sighting == *sighting);
         Judgement {
             accepted: trust.is_some_and(|trust| trust.probability >= BELIEVED),
-            nis: None,
-            degrees_of_freedom: 0,
             seen_at: seen_at(pose * self.mounting, sighting),
+            ..Judgement::REFUSED
         }
     }
 }

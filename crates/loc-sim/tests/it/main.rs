@@ -28,5 +28,6 @@ mod replay;
 mod report;
 mod scenarios;
 mod sense;
+mod switches;
 mod tour;
 mod wean;
