@@ -25,6 +25,7 @@ mod particles;
 mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
+mod report;
 mod scenarios;
 mod sense;
 mod switches;
