@@ -5,6 +5,8 @@
 //! best, in the plane or in space, with its covariance and everything that speaks against it:
 //! a second place, circles that do not meet, a geometry that magnifies noise. [`two_circles`]
 //! gives both points in closed form and [`newton`] the lectures' method with a start.
+//! [`SlidingLateration`] follows a robot that measures one distance after the other, with the help
+//! of its odometry.
 //!
 //! ```
 //! use loc_filters::lateration::{LaterationSettings, Range, locate};
@@ -35,6 +37,7 @@ mod newton;
 mod place;
 mod range;
 mod settings;
+mod sliding;
 mod start;
 
 pub use circles::{Crossing, Miss, two_circles};
@@ -44,3 +47,4 @@ pub use locate::locate;
 pub use newton::newton;
 pub use range::{Range, RangeBias};
 pub use settings::{BiasPrior, Cost, LaterationSettings, Loss};
+pub use sliding::{RangeOutcome, SlidingLateration, SlidingSettings};
