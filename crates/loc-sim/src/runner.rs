@@ -101,7 +101,16 @@ pub fn run_watched(
     }
     let notes = source.notes();
     let methods = runners.into_iter().map(|runner| runner.record).collect();
-    Ok(Run { setup, settings: settings.clone(), stamps, truth, methods, notes, film: None })
+    Ok(Run {
+        setup,
+        settings: settings.clone(),
+        stamps,
+        truth,
+        truth_has_heading: source.truth_has_heading(),
+        methods,
+        notes,
+        film: None,
+    })
 }
 
 fn is_truth(event: &Event) -> bool {

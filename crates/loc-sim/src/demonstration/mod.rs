@@ -2,7 +2,7 @@
 //!
 //! The lectures explain the particle filter with pictures of its parts: five stages in a corridor
 //! with doors ([`mcl_1d`], M2), and what resampling does to a robot that stands still
-//! ([`diversity`], M11). A scenario asks for one of them by `[demonstration] kind = ".."`; the
+//! ([`diversity`], M11). Lateration has four rooms ([`lateration`], D1 to D4). A scenario asks for one of them by `[demonstration] kind = ".."`; the
 //! filter in it is that of `loc-pf`, nothing is made up for the picture.
 //!
 //! ```
@@ -14,9 +14,11 @@
 //! ```
 
 pub mod diversity;
+pub mod lateration;
 pub mod mcl_1d;
 
 pub use diversity::{Diversity, DiversityConfig};
+pub use lateration::{Lateration, LaterationConfig};
 pub use mcl_1d::{Mcl1d, Mcl1dConfig};
 
 use crate::Result;
@@ -32,6 +34,8 @@ pub enum DemonstrationConfig {
     Mcl1d(Mcl1dConfig),
     /// How many ancestors survive resampling (M11).
     Diversity(DiversityConfig),
+    /// Places at measured distances from landmarks (D).
+    Lateration(LaterationConfig),
 }
 
 impl DemonstrationConfig {
@@ -43,6 +47,7 @@ impl DemonstrationConfig {
         match self {
             DemonstrationConfig::Mcl1d(config) => config.check(),
             DemonstrationConfig::Diversity(config) => config.check(),
+            DemonstrationConfig::Lateration(config) => config.check(),
         }
     }
 
@@ -55,6 +60,9 @@ impl DemonstrationConfig {
             DemonstrationConfig::Mcl1d(config) => Mcl1d::new(config, seed)?.illustrate(title),
             DemonstrationConfig::Diversity(config) => {
                 Diversity::new(config, seed)?.illustrate(title)
+            }
+            DemonstrationConfig::Lateration(config) => {
+                Lateration::new(config, seed)?.illustrate(title)
             }
         })
     }

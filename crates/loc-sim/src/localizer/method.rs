@@ -4,11 +4,13 @@ use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
 use super::landmark_mcl::SightMcl;
+use super::lateration::Lateration;
 use super::mcl::ScanMcl;
 use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::landmark::LandmarkSettings;
+use loc_filters::lateration::SlidingSettings;
 use loc_pf::sensor::landmark::SightModel;
 use loc_pf::{LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
@@ -19,6 +21,8 @@ use std::str::FromStr;
 pub enum Method {
     /// Odometry alone (E).
     DeadReckoning,
+    /// Ranges to landmarks over a sliding window (D).
+    Lateration,
     /// The linear Kalman filter of a vehicle on a rail (G).
     Kf,
     /// The extended Kalman filter with landmarks (H2).
@@ -39,6 +43,8 @@ pub struct MethodSettings {
     /// For the particle filter among landmarks; what it shares with the other methods among
     /// landmarks, it takes from there.
     pub landmark_mcl: LandmarkMclSettings,
+    /// For lateration; what it shares with the other methods among landmarks, it takes from there.
+    pub lateration: SlidingSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
     /// Seed of the methods that draw random numbers.
@@ -63,16 +69,32 @@ impl MethodSettings {
         let sights = SightModel { noise: sight_noise, mounting, ..own.sights };
         LandmarkMclSettings { integration, motion_noise, sights, horizon, ..own }
     }
+
+    /// Settings of lateration, with what all methods among landmarks are told.
+    pub fn lateration(&self) -> SlidingSettings {
+        let LandmarkSettings { integration, motion_noise, sight_noise, mounting, horizon, .. } =
+            self.landmark;
+        SlidingSettings {
+            integration,
+            motion_noise,
+            range_noise: sight_noise,
+            antenna: mounting.position(),
+            horizon,
+            ..self.lateration
+        }
+    }
 }
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 4] = [Method::DeadReckoning, Method::Kf, Method::Ekf, Method::Mcl];
+    pub const ALL: [Method; 5] =
+        [Method::DeadReckoning, Method::Lateration, Method::Kf, Method::Ekf, Method::Mcl];
 
     /// The name, as the command line has it.
     pub fn name(self) -> &'static str {
         match self {
             Method::DeadReckoning => "dead-reckoning",
+            Method::Lateration => "lateration",
             Method::Kf => "kf",
             Method::Ekf => "ekf",
             Method::Mcl => "mcl",
@@ -81,7 +103,7 @@ impl Method {
 
     /// Whether it can find the robot without being told where it starts.
     pub fn can_search(self) -> bool {
-        self == Method::Mcl
+        matches!(self, Method::Lateration | Method::Mcl)
     }
 
     /// Whether it draws random numbers, so that its seed matters.
@@ -100,6 +122,7 @@ impl Method {
                 Box::new(RailFilter::new(self.name(), setup, &settings.rail, false)?)
             }
             Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings)?),
+            Method::Lateration => Box::new(Lateration::new(setup, settings)?),
             Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
             Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
             // Where both can be had, scans tell more than landmarks.

@@ -7,6 +7,7 @@ mod dead_reckoning;
 mod driven;
 mod ekf;
 mod landmark_mcl;
+mod lateration;
 mod mcl;
 mod method;
 mod rail;

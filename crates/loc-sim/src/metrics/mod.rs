@@ -43,6 +43,7 @@ mod summary;
 
 pub use align::{Alignment, aligned};
 pub use associate::{Pair, associate};
+pub(crate) use consistency::pose_nees_with_freedom;
 pub use consistency::{Consistency, ConsistencyFigures, RunEvidence, pose_nees};
 pub use convergence::{Found, found};
 pub use evaluation::{EvalSettings, Evaluation, evaluate};

@@ -6,10 +6,11 @@ use crate::{Error, Result};
 pub const DEFAULT: &str = "overview";
 
 /// Name and TOML text of every built-in scenario, in the order in which they are listed.
-pub const ALL: [(&str, &str); 14] = [
+pub const ALL: [(&str, &str); 15] = [
     ("overview", include_str!("../../scenarios/overview.toml")),
     ("kurt2-example", include_str!("../../scenarios/kurt2-example.toml")),
     ("circle-drive", include_str!("../../scenarios/circle-drive.toml")),
+    ("lateration", include_str!("../../scenarios/lateration.toml")),
     ("two-sensors", include_str!("../../scenarios/two-sensors.toml")),
     ("accelerated-vehicle", include_str!("../../scenarios/accelerated-vehicle.toml")),
     ("landmark-drive", include_str!("../../scenarios/landmark-drive.toml")),

@@ -14,10 +14,12 @@
 pub mod builtin;
 mod filter;
 mod landmark_mcl;
+mod lateration;
 pub mod recording;
 
 pub use filter::FilterConfig;
 pub use landmark_mcl::LandmarkMclConfig;
+pub use lateration::LaterationConfig;
 pub use recording::{RecordingConfig, StartConfig};
 
 use crate::demonstration::DemonstrationConfig;

@@ -10,6 +10,7 @@ pub mod mrclam;
 mod noise;
 pub mod people;
 pub mod rail;
+pub mod ranging;
 mod reorder;
 pub mod tour;
 pub mod wean;
@@ -20,6 +21,7 @@ pub use laser_log::LaserRecording;
 pub use mrclam::Mrclam;
 pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
 pub use rail::SimulatedRail;
+pub use ranging::RangeRecording;
 pub use tour::SimulatedTour;
 
 use crate::Result;
@@ -66,6 +68,11 @@ pub trait Source {
     /// What was passed over, as counted lines for the user: `3 sightings of unknown barcodes`.
     fn notes(&self) -> Vec<String> {
         Vec::new()
+    }
+
+    /// Whether the true poses have headings; where only positions are known, theirs are 0.
+    fn truth_has_heading(&self) -> bool {
+        true
     }
 
     /// Whether true poses are among the events. Without any, a run is sampled at its scans.

@@ -22,6 +22,7 @@ mod metrics;
 mod mrclam;
 mod nav2;
 mod particles;
+mod ranging;
 mod recordings;
 #[cfg(feature = "cli")]
 mod replay;

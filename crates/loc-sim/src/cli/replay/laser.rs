@@ -85,7 +85,7 @@ fn is_yaml(file: &Path) -> bool {
     ending.is_some_and(|ending| ending == "yaml" || ending == "yml")
 }
 
-fn parse_pose(text: &str) -> Result<Pose2> {
+pub(super) fn parse_pose(text: &str) -> Result<Pose2> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     match numbers.as_deref() {
         Ok(&[x, y, yaw]) if x.is_finite() && y.is_finite() && yaw.is_finite() => {

@@ -3,6 +3,7 @@
 mod format;
 mod laser;
 mod mrclam;
+mod ranging;
 
 pub use format::Format;
 
@@ -21,7 +22,8 @@ use std::path::PathBuf;
 /// Localize the robot of a recording.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ReplayArgs {
-    /// The recording: a folder of MRCLAM files, a CARMEN log, or one of Wean Hall.
+    /// The recording: a folder of MRCLAM files or of ranges (UWB labyrinth, Plaza), a CARMEN log,
+    /// or one of Wean Hall.
     #[arg(value_name = "LOG", required_unless_present = "print_config")]
     pub log: Option<PathBuf>,
     /// The format of the recording; found by its contents where left out.
@@ -89,6 +91,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let format = args.format.map_or_else(|| format::guess(log), Ok)?;
     let mut replay = match format {
         Format::Mrclam => mrclam::prepare(args, log)?,
+        Format::UwbLabyrinth | Format::Plaza => ranging::prepare(args, log, format)?,
         Format::Carmen | Format::Wean => laser::prepare(args, log, format)?,
     };
     replay.settings.seed = args.seed.unwrap_or(replay.settings.seed);
@@ -123,6 +126,7 @@ fn print_config(args: &ReplayArgs) -> anyhow::Result<()> {
     let guessed = args.log.as_deref().map(format::guess).transpose()?;
     let text = match args.format.or(guessed).unwrap_or(Format::Mrclam) {
         Format::Mrclam => recording::MRCLAM,
+        Format::UwbLabyrinth | Format::Plaza => recording::RANGING,
         Format::Carmen | Format::Wean => recording::LASER,
     };
     super::print(text.trim_end())

@@ -20,7 +20,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 11] = [
+pub const NAMES: [&str; 12] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -31,6 +31,7 @@ pub const NAMES: [&str; 11] = [
     "probability.svg",
     "stages.svg",
     "diversity.svg",
+    "lateration.svg",
     "resampling.svg",
 ];
 
