@@ -25,6 +25,7 @@ mod particles;
 mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
+mod ros;
 mod scenarios;
 mod sense;
 mod tour;

@@ -1,10 +1,12 @@
 //! Scans, odometry and true poses, brought into one order of time.
 
+use super::counts::Counts;
 use super::noise::NoisyOdometry;
 use super::preview::{Preview, transforms};
 use super::roles::{OdometryFrom, ReferenceFrom, Roles};
+use super::scan::{converted, level};
 use super::{RosOptions, unsuitable};
-use crate::source::laser_log::{Entry, RecordedScan, What};
+use crate::source::laser_log::{Entry, RecordedScan};
 use crate::source::ros::bag::{Channel, MessageReader};
 use crate::source::ros::messages::{
     self, Message, MultiEchoLaserScan, Odometry, PointCloud2, PoseStamped,
@@ -12,63 +14,38 @@ use crate::source::ros::messages::{
 };
 use crate::source::ros::tf::TransformBuffer;
 use crate::{Error, Result};
-use loc_core::nalgebra::{Isometry3, Vector3};
-use loc_core::{Pose2, angle};
-use loc_sensors::laser::LaserScan;
+use loc_core::Pose2;
 use std::collections::VecDeque;
 use std::sync::Arc;
-
-/// A message waits this long for those of other topics that belong before it \[ns\].
-const PATIENCE: i64 = 5_000_000_000;
-
-/// Gap of the odometry over which nothing is interpolated \[s\].
-const LONGEST_GAP: f64 = 1.0;
 
 /// How long a transform of the laser holds beyond its stamp \[s\].
 const HOLD: f64 = 1.0;
 
-/// How far a laser may be tilted and still count as level: cos 10 degrees.
-const LEVEL: f64 = 0.985;
-
 /// Reads a bag and gives its entries in order of their stamps.
 pub(super) struct Join {
     bag: Box<dyn MessageReader>,
-    roles: Roles,
+    pub(super) roles: Roles,
     mounting: Option<Pose2>,
     frames: TransformBuffer,
     noise: Option<NoisyOdometry>,
     /// Odometry around what waits, in order of time; `passed` of it are given out.
-    odometry: VecDeque<(Stamp, Pose2)>,
-    waiting: VecDeque<(Stamp, Waiting)>,
-    ready: VecDeque<Entry>,
-    latest_scan: Option<Stamp>,
-    latest_truth: Option<Stamp>,
-    given: Stamp,
+    pub(super) odometry: VecDeque<(Stamp, Pose2)>,
+    pub(super) waiting: VecDeque<(Stamp, Waiting)>,
+    pub(super) ready: VecDeque<Entry>,
+    pub(super) latest_scan: Option<Stamp>,
+    pub(super) latest_truth: Option<Stamp>,
+    pub(super) given: Stamp,
     ended: bool,
     last_stamp: Option<Stamp>,
-    counts: Counts,
+    pub(super) counts: Counts,
     data: Vec<u8>,
 }
 
 /// What waits for the odometry to pass it.
 #[derive(Debug)]
-enum Waiting {
+pub(super) enum Waiting {
     Scan(messages::LaserScan),
     Truth(Pose2),
-}
-
-/// What was passed over, and why.
-#[derive(Debug, Default)]
-struct Counts {
-    scans: u64,
-    unreadable: u64,
-    why_unreadable: Option<String>,
-    without_odometry: u64,
-    without_transform: u64,
-    why_without_transform: Option<Error>,
-    out_of_order: u64,
-    zero_stamps: u64,
-    bad_transforms: usize,
 }
 
 impl Join {
@@ -138,8 +115,7 @@ impl Join {
         let result = self.take_message(channel, log_time, &data);
         self.data = data;
         if let Err(error) = result {
-            self.counts.unreadable += 1;
-            self.counts.why_unreadable.get_or_insert(format!("{}: {error}", channel.topic));
+            self.counts.unreadable(format!("{}: {error}", channel.topic));
         }
     }
 
@@ -240,98 +216,8 @@ impl Join {
         self.waiting.insert(self.waiting.len() - later, (stamp, what));
     }
 
-    /// Up to this time nothing more is to come.
-    fn watermark(&self) -> Option<Stamp> {
-        let odometry = self.odometry.back().map(|(stamp, _)| *stamp);
-        let mut latest = vec![odometry, self.latest_scan];
-        if matches!(self.roles.reference, ReferenceFrom::Topic(_)) {
-            latest.push(self.latest_truth);
-        }
-        let newest = latest.iter().flatten().max()?;
-        let impatient = Stamp(newest.0.saturating_sub(PATIENCE));
-        let common = latest.iter().copied().min()?;
-        Some(common.map_or(impatient, |common| common.max(impatient)))
-    }
-
-    /// Gives out everything up to a time.
-    fn give_until(&mut self, until: Option<Stamp>) {
-        let Some(until) = until else { return };
-        loop {
-            let next_odometry =
-                self.odometry.iter().map(|(stamp, _)| *stamp).find(|s| *s > self.given);
-            let next_waiting = self.waiting.front().map(|(stamp, _)| *stamp);
-            match (next_waiting, next_odometry) {
-                (Some(waiting), odometry)
-                    if waiting <= until && odometry.is_none_or(|odometry| waiting <= odometry) =>
-                {
-                    // The odometry after it is needed to go between.
-                    if let Some((stamp, what)) = self.waiting.pop_front() {
-                        self.give(stamp, what);
-                    }
-                }
-                (_, Some(odometry)) if odometry <= until => {
-                    self.given = odometry;
-                    if let Some((_, pose)) = self.odometry.iter().find(|(s, _)| *s == odometry) {
-                        let what = What::Odometry(*pose);
-                        self.ready.push_back(Entry { stamp: odometry.seconds(), what });
-                    }
-                    while self.odometry.get(1).is_some_and(|(stamp, _)| *stamp <= odometry) {
-                        self.odometry.pop_front();
-                    }
-                }
-                _ => return,
-            }
-        }
-    }
-
-    /// Gives out what waited, with the odometry of its moment.
-    fn give(&mut self, stamp: Stamp, what: Waiting) {
-        if stamp < self.given {
-            self.counts.out_of_order += 1;
-            return;
-        }
-        let Some(odometry) = self.odometry_at(stamp) else {
-            self.counts.without_odometry += u64::from(matches!(what, Waiting::Scan(_)));
-            return;
-        };
-        let seconds = stamp.seconds();
-        match what {
-            Waiting::Truth(pose) => {
-                self.ready.push_back(Entry { stamp: seconds, what: What::Odometry(odometry) });
-                self.ready.push_back(Entry { stamp: seconds, what: What::Truth(pose) });
-            }
-            Waiting::Scan(scan) => match self.recorded(&scan, stamp, odometry) {
-                Ok(scan) => {
-                    self.ready.push_back(Entry { stamp: seconds, what: What::Scan(scan) });
-                }
-                Err(error @ Error::NoTransform { .. }) => {
-                    self.counts.without_transform += 1;
-                    self.counts.why_without_transform.get_or_insert(error);
-                }
-                Err(error) => {
-                    self.counts.unreadable += 1;
-                    self.counts.why_unreadable.get_or_insert(error.to_string());
-                }
-            },
-        }
-    }
-
-    /// The odometry between the two poses around a time.
-    fn odometry_at(&self, stamp: Stamp) -> Option<Pose2> {
-        let after = self.odometry.partition_point(|(known, _)| *known < stamp);
-        let (to, second) = *self.odometry.get(after)?;
-        if to == stamp {
-            return Some(second);
-        }
-        let (from, first) = *self.odometry.get(after.checked_sub(1)?)?;
-        let gap = (to.0 - from.0) as f64 * 1e-9;
-        let share = (stamp.0 - from.0) as f64 * 1e-9 / gap;
-        let step = first.between(second);
-        (gap <= LONGEST_GAP).then(|| first * Pose2::exp(&(share * step.log())))
-    }
-
     /// A scan with the place of its laser and, where the transforms say it, of the robot.
-    fn recorded(
+    pub(super) fn recorded(
         &self,
         scan: &messages::LaserScan,
         stamp: Stamp,
@@ -370,75 +256,15 @@ impl Join {
     }
 
     pub(super) fn notes(&self) -> Vec<String> {
-        let counts = &self.counts;
-        let count = |number: u64, what: String| (number > 0).then(|| format!("{number} {what}"));
-        let because =
-            |reason: Option<String>| reason.map_or(String::new(), |r| format!(", the first: {r}"));
-        let transform = counts.why_without_transform.as_ref().map(ToString::to_string);
-        let own = [
-            match &self.roles.reference {
-                ReferenceFrom::Nothing => None,
-                ReferenceFrom::Topic(topic) => Some(format!("reference: {topic}")),
-                ReferenceFrom::Transform(map) => Some(format!(
-                    "reference: the recorded transform from {map}, itself an estimate"
-                )),
-            },
-            count(
-                counts.unreadable,
-                format!("messages that cannot be used{}", because(counts.why_unreadable.clone())),
-            ),
-            count(counts.without_odometry, "scans without odometry before and after them".into()),
-            count(
-                counts.without_transform,
-                format!("scans without the place of the laser{}", because(transform)),
-            ),
-            count(counts.out_of_order, "messages with a stamp not after the one before".into()),
-            count(
-                counts.zero_stamps,
-                "messages with stamp 0, taken at the time of recording".into(),
-            ),
-            count(counts.bad_transforms as u64, "transforms that are no rigid motions".into()),
-        ];
-        self.bag.notes().into_iter().chain(own.into_iter().flatten()).collect()
+        let reference = match &self.roles.reference {
+            ReferenceFrom::Nothing => None,
+            ReferenceFrom::Topic(topic) => Some(format!("reference: {topic}")),
+            ReferenceFrom::Transform(map) => {
+                Some(format!("reference: the recorded transform from {map}, itself an estimate"))
+            }
+        };
+        self.bag.notes().into_iter().chain(reference).chain(self.counts.notes()).collect()
     }
-}
-
-/// The place of a level laser seen from above, and whether it hangs upside down.
-fn level(place: &Isometry3<f64>, frame: &str) -> Result<(Pose2, bool)> {
-    let up = (place.rotation * Vector3::z()).z;
-    if up.abs() < LEVEL {
-        return Err(Error::Malformed {
-            what: format!("frame {frame}"),
-            expected: "a laser that is level to 10 degrees".into(),
-            found: format!("one tilted by {:.1} degrees", up.clamp(-1.0, 1.0).acos().to_degrees()),
-        });
-    }
-    let pose = messages::planar(place);
-    Ok((Pose2::new(pose.x, pose.y, angle::wrap(pose.theta)), up < 0.0))
-}
-
-/// The library's form of a scan; one that hangs upside down turns the other way.
-fn converted(scan: &messages::LaserScan, upside_down: bool) -> Result<LaserScan> {
-    let sign = if upside_down { -1.0 } else { 1.0 };
-    let numbers = |values: &[f32]| values.iter().map(|value| f64::from(*value)).collect();
-    let mut intensities: Vec<f64> = numbers(&scan.intensities);
-    if intensities.len() != scan.ranges.len() {
-        // Some drivers send a few of them; nothing here needs them.
-        intensities.clear();
-    }
-    let converted = LaserScan {
-        angle_min: sign * f64::from(scan.angle_min),
-        angle_max: sign * f64::from(scan.angle_max),
-        angle_increment: sign * f64::from(scan.angle_increment),
-        time_increment: scan.time_increment.into(),
-        scan_time: scan.scan_time.into(),
-        range_min: scan.range_min.into(),
-        range_max: scan.range_max.into(),
-        ranges: numbers(&scan.ranges),
-        intensities,
-    };
-    converted.check()?;
-    Ok(converted)
 }
 
 impl std::fmt::Debug for Join {

@@ -8,11 +8,14 @@
 //! Messages come in order of arrival, but belong to the time of their stamps: a scan waits until
 //! the odometry has passed its stamp, and gets the pose that lies between the two around it.
 
+mod counts;
 mod join;
 mod noise;
 mod options;
+mod order;
 mod preview;
 mod roles;
+mod scan;
 
 pub use options::RosOptions;
 

@@ -39,18 +39,17 @@ pub(super) enum ReferenceFrom {
 }
 
 /// Types of scans, and of true poses.
-const SCANS: [&str; 2] = [LaserScan::NAME, MultiEchoLaserScan::NAME];
-const CLOUDS: [&str; 1] = [PointCloud2::NAME];
+const SCANS: [&str; 3] = [LaserScan::NAME, MultiEchoLaserScan::NAME, PointCloud2::NAME];
 const ODOMETRY: [&str; 1] = [Odometry::NAME];
 const POSES: [&str; 3] = [Odometry::NAME, PoseStamped::NAME, PoseWithCovarianceStamped::NAME];
 
 impl Roles {
     pub(super) fn choose(path: &Path, preview: &Preview, options: &RosOptions) -> Result<Self> {
         let chooser = Chooser { path, topics: &preview.survey.topics };
-        let scans = match chooser.choose("--scan-topic", &options.scan_topic, &SCANS, "scans")? {
-            Some(topic) => Some(topic),
-            None => chooser.choose("--scan-topic", &options.scan_topic, &CLOUDS, "scans")?,
-        };
+        // A cloud is made a scan of only where there is no laser, or where it is named.
+        let lasers = chooser.of(&SCANS[..2]).next().is_some() && options.scan_topic.is_none();
+        let kinds = if lasers { &SCANS[..2] } else { &SCANS };
+        let scans = chooser.choose("--scan-topic", &options.scan_topic, kinds, "scans")?;
         let scans = scans.ok_or_else(|| {
             chooser.missing("a topic of type LaserScan, MultiEchoLaserScan or PointCloud2")
         })?;
@@ -141,9 +140,11 @@ impl Chooser<'_> {
             let Some(topic) = found else {
                 return Err(self.missing(&format!("messages on {named} ({option})")));
             };
-            let fits = types.iter().any(|name| topic.channel.is_of(name));
-            // Scans may also come as another kind, which is asked for next.
-            return Ok(fits.then(|| topic.channel.topic.clone()));
+            if !types.iter().any(|name| topic.channel.is_of(name)) {
+                let expected = format!("{option} of type {}", types.join(", "));
+                return Err(unsuitable(self.path, expected, &topic.channel.type_name));
+            }
+            return Ok(Some(topic.channel.topic.clone()));
         }
         let found: Vec<&str> = self
             .of(types)

@@ -71,11 +71,11 @@ impl Pager {
     pub(super) fn page(&mut self, number: u32, into: &mut Vec<u8>) -> Result<bool> {
         self.reached = self.reached.max(number);
         let size = self.page_size;
-        if let Some((log, pages)) = &mut self.log {
-            if let Some(at) = pages.get(&number) {
-                log.seek(*at)?;
-                return Ok(log.read("a page", size.into(), into)? == size as usize);
-            }
+        if let Some((log, pages)) = &mut self.log
+            && let Some(at) = pages.get(&number)
+        {
+            log.seek(*at)?;
+            return Ok(log.read("a page", size.into(), into)? == size as usize);
         }
         let at = u64::from(number.saturating_sub(1)) * u64::from(size);
         if number == 0 || at + u64::from(size) > self.input.length() {

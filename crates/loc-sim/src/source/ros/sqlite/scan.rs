@@ -36,10 +36,10 @@ impl TableScan {
 
     /// The next row; `None` at the end, or where the file ends before.
     pub(super) fn next(&mut self, pager: &mut Pager) -> Result<Option<Row>> {
-        if let Some(root) = self.root.take() {
-            if !self.open(root, pager)? {
-                return Ok(None);
-            }
+        if let Some(root) = self.root.take()
+            && !self.open(root, pager)?
+        {
+            return Ok(None);
         }
         while let Some(page) = self.path.last_mut() {
             let index = page.next;

@@ -66,7 +66,7 @@ fn value(kind: u64, bytes: &[u8]) -> Value<'_> {
             let start = if negative { -1 } else { 0 };
             Value::Integer(bytes.iter().fold(start, |sum, byte| (sum << 8) | i64::from(*byte)))
         }
-        _ if kind % 2 == 0 => Value::Blob(bytes),
+        _ if kind.is_multiple_of(2) => Value::Blob(bytes),
         _ => Value::Text(bytes),
     }
 }
