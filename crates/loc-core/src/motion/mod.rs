@@ -4,7 +4,8 @@
 //! step, by one of three rules and with their Jacobians; [`VelocityNoise`] says how far the
 //! reported velocity may be off; [`dead_reckon`] puts both together and carries mean and
 //! covariance one step on. [`OdometryMotion`] is the other common description of a step: turn,
-//! drive, turn.
+//! drive, turn. [`DrivenPath`] and [`PathNoise`] speak of poses of an odometry, and of the way
+//! between them.
 //!
 //! ```
 //! use loc_core::motion::Integration;
@@ -15,6 +16,7 @@
 //! ```
 
 mod chord;
+mod driven;
 mod integration;
 mod noise;
 mod odometry;
@@ -22,6 +24,7 @@ mod propagation;
 mod twist;
 
 pub use chord::Chord;
+pub use driven::{DrivenPath, LinearizedStep, PathNoise};
 pub use integration::{Integration, StepJacobians};
 pub use noise::VelocityNoise;
 pub use odometry::{OdometryMotion, OdometryNoise};

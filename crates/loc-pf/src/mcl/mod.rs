@@ -27,6 +27,8 @@
 mod belief;
 mod field;
 mod observation;
+#[cfg(feature = "serde")]
+mod optional;
 mod recover;
 mod settings;
 mod start;
@@ -45,7 +47,7 @@ pub use update::{Update, UpdateReport};
 
 use crate::confidence::{LostMonitor, ScanRater};
 use crate::estimate::Clusterer;
-use crate::motion::{DrivenPath, NoisyStep};
+use crate::motion::DrivenPath;
 use crate::{Estimate, Particles, Result};
 use belief::Belief;
 use loc_core::random::ChaCha8Rng;
@@ -124,7 +126,7 @@ impl Mcl {
     pub fn belief(&self) -> Gaussian<3> {
         let noise = self.settings.motion.path_noise();
         let belief = self.estimate.belief;
-        self.path.map_or(belief, |path| NoisyStep::new(&path, &noise).belief_after(&belief))
+        self.path.map_or(belief, |path| noise.belief_after(&path, &belief))
     }
 
     /// The pose of the odometry's frame in the map (`map_from_odom`), `None` before the first

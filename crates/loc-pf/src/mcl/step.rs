@@ -37,7 +37,7 @@ impl Step {
 impl Step {
     /// The way from the start belief to the first scan; its covariance was checked at the start.
     pub(super) fn from_start(path: &DrivenPath, belief: &Gaussian<3>, noise: &PathNoise) -> Self {
-        let belief = NoisyStep::new(path, noise).belief_after(belief);
+        let belief = noise.belief_after(path, belief);
         Step::Start(belief.mean, belief.factor())
     }
 }

@@ -34,7 +34,8 @@ mod velocity;
 
 pub use ackermann::AckermannStep;
 pub use differential::DifferentialStep;
-pub use driven::{DrivenPath, NoisyStep, PathNoise};
+pub use driven::NoisyStep;
+pub use loc_core::motion::{DrivenPath, PathNoise};
 pub use omnidirectional::{OmnidirectionalNoise, OmnidirectionalStep};
 pub use velocity::VelocityStep;
 

@@ -4,10 +4,10 @@ use super::{Estimate, Judgement, Localizer, MethodSettings};
 use crate::Result;
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
+use loc_core::motion::{DrivenPath, PathNoise};
 use loc_core::{Gaussian, Pose2};
 use loc_filters::landmark::LandmarkLocalizer;
 use loc_maps::LandmarkMap;
-use loc_pf::motion::{DrivenPath, NoisyStep, PathNoise};
 
 /// Velocities by the prediction step of the landmark filter, without its corrections; poses of an
 /// odometry by [`OdometryDrive`].
@@ -68,7 +68,7 @@ impl OdometryDrive {
     fn move_to(&mut self, odometry: Pose2, noise: &PathNoise) {
         let mut path = DrivenPath::starting_at(self.odometry);
         path.extend(odometry);
-        self.belief = NoisyStep::new(&path, noise).belief_after(&self.belief);
+        self.belief = noise.belief_after(&path, &self.belief);
         self.odometry = odometry;
     }
 }

@@ -26,7 +26,9 @@ mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
 mod ros;
+mod report;
 mod scenarios;
 mod sense;
+mod switches;
 mod tour;
 mod wean;
