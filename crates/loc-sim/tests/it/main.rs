@@ -25,8 +25,8 @@ mod particles;
 mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
-mod ros;
 mod report;
+mod ros;
 mod scenarios;
 mod sense;
 mod switches;

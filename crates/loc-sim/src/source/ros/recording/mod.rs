@@ -91,6 +91,7 @@ impl RosRecording {
             end: start.max(join.end()),
             start_belief: belief(pose, options.start_sigmas)?,
             rail: None,
+            has_laser: true,
             landmarks: Arc::default(),
             map: options.map.clone(),
             kidnapped_at: None,
