@@ -3,6 +3,7 @@
 pub mod delayed;
 mod error;
 pub mod extended;
+pub mod histogram;
 pub mod innovation;
 pub mod kalman;
 pub mod landmark;

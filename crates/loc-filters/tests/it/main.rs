@@ -3,6 +3,7 @@
 
 mod delayed;
 mod extended;
+mod histogram;
 mod innovation;
 mod kalman;
 mod landmark;
