@@ -65,7 +65,7 @@ impl<T: Clone> DiscreteFilter<T> {
             let complete = |sum: f64| (sum - 1.0).abs() <= TOLERANCE;
             in_range("sum of the transitions from a state", "1 within 1e-9", sum, complete)?;
         }
-        self.belief = Discrete::from_weights(states.to_vec().into_iter().zip(after))?;
+        self.belief = Discrete::from_weights(states.iter().cloned().zip(after))?;
         Ok(())
     }
 

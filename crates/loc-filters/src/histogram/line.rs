@@ -59,7 +59,7 @@ impl LineGrid {
     }
 
     /// The middles of the cells \[m\].
-    pub fn centers(&self) -> impl Iterator<Item = f64> + '_ {
+    pub fn centers(&self) -> impl Iterator<Item = f64> + Clone + '_ {
         (0..self.probabilities.len()).map(|k| self.center(k))
     }
 
