@@ -18,6 +18,17 @@ pub enum Error {
         /// Its elements.
         found: String,
     },
+    /// Rounding, or numbers beyond all reason, have made a covariance negative. The filter must be
+    /// started anew.
+    #[error("{what}: lost its positivity at step {step}, got {found}")]
+    LostPositivity {
+        /// The part of the covariance.
+        what: &'static str,
+        /// The motion or correction that it happened at, counted from 1.
+        step: u64,
+        /// Its elements.
+        found: String,
+    },
     /// An input belongs to a time so far back that the filter has forgotten it.
     #[error(
         "{what} at {stamp} s: expected at most {horizon} s before {newest} s, the newest input"

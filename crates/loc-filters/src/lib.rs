@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod association;
 pub mod delayed;
 mod error;
 pub mod extended;
@@ -7,6 +8,7 @@ pub mod histogram;
 pub mod innovation;
 pub mod kalman;
 pub mod landmark;
+pub mod slam;
 
 pub use error::{Error, Result};
 pub use extended::{ExtendedKalmanFilter, MeasurementModel, MotionModel};

@@ -4,14 +4,17 @@
 
 pub mod cloud;
 mod dead_reckoning;
+mod driven;
 mod ekf;
 mod landmark_mcl;
 mod mcl;
 mod method;
 mod rail;
+mod whitened;
 
 pub use cloud::Cloud;
 pub use method::{Method, MethodSettings, RailSettings};
+pub use whitened::Whitened;
 
 use crate::Result;
 use crate::event::{Control, Measurement};
@@ -40,11 +43,30 @@ pub trait Localizer {
     /// What the filter refuses.
     fn estimate(&self, stamp: f64) -> Result<Estimate>;
 
+    /// How many particles it has; 0 for a method without any.
+    fn particle_count(&self) -> usize {
+        0
+    }
+
+    /// The poses that it holds possible, the likeliest first; none for a method that knows but one.
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        Vec::new()
+    }
+
     /// The particles of a method that has any, for figures: thinned to at most
     /// [`Cloud::MOST`](cloud::Cloud::MOST).
     fn cloud(&self) -> Option<Cloud> {
         None
     }
+}
+
+/// A pose that a method holds possible.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hypothesis {
+    /// Its probability.
+    pub share: f64,
+    /// The pose in the map, over (x, y, theta) \[m, m, rad\].
+    pub belief: Gaussian<3>,
 }
 
 /// Where a method believes the robot to be.
@@ -73,14 +95,21 @@ pub struct Judgement {
     pub nis: Option<f64>,
     /// How many numbers were measured.
     pub degrees_of_freedom: usize,
+    /// The whitened innovation, where the method computes one.
+    pub whitened: Whitened,
     /// Where the measurement puts the thing it saw, from the method's pose \[m\].
     pub seen_at: Option<Point2<f64>>,
 }
 
 impl Judgement {
     /// A measurement that was turned away before it was looked at.
-    pub const REFUSED: Judgement =
-        Judgement { accepted: false, nis: None, degrees_of_freedom: 0, seen_at: None };
+    pub const REFUSED: Judgement = Judgement {
+        accepted: false,
+        nis: None,
+        degrees_of_freedom: 0,
+        whitened: Whitened::NONE,
+        seen_at: None,
+    };
 }
 
 /// Where a sighting puts its landmark from a camera's pose \[m\]; `None` without a distance and a

@@ -25,7 +25,9 @@ mod particles;
 mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
+mod report;
 mod scenarios;
 mod sense;
+mod switches;
 mod tour;
 mod wean;

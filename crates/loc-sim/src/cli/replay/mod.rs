@@ -10,6 +10,7 @@ use super::Global;
 use super::progress::Progress;
 use super::show::{Finished, OutputArgs, show};
 use crate::localizer::{Method, MethodSettings};
+use crate::record::Filming;
 use crate::runner;
 use crate::scenario::recording;
 use crate::source::Source;
@@ -102,7 +103,10 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     };
     let mut progress = Progress::new("replay", global);
     let source = replay.source.as_mut();
-    let run = runner::run(source, methods, &replay.settings, &mut |share| progress.tell(share))?;
+    let mut tell = |share| progress.tell(share);
+    let mut filming = Filming::new(&mut tell);
+    let mut run = runner::run_watched(source, methods, &replay.settings, &mut filming)?;
+    run.film = Some(filming.film);
     progress.finish();
     let name = run.setup.name.replace(' ', "-");
     let finished = Finished {

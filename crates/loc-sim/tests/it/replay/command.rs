@@ -106,6 +106,9 @@ fn parameters_of_nav2_are_taken() {
     let changed = summary(&folder, &[&arguments[..], &set].concat());
     assert_eq!(changed["seed"], 3);
     assert!(changed["methods"]["mcl"]["measurements_used"].as_u64().unwrap() > 55);
+    // What is off beside the file is switched on by its keys.
+    let set = ["--set", "filter.mcl.novelty.distance={}", "--set", "filter.mcl.tempering=false"];
+    assert_eq!(summary(&folder, &[&arguments[..], &set].concat())["seed"], 9);
     let error = failure(&folder, &[&arguments[..], &["--set", "odometry.delay_s=1"]].concat());
     assert!(error.contains("expected keys below filter.mcl or start"), "{error}");
 }
