@@ -8,6 +8,7 @@ pub mod histogram;
 pub mod innovation;
 pub mod kalman;
 pub mod landmark;
+pub mod lateration;
 pub mod slam;
 
 pub use error::{Error, Result};

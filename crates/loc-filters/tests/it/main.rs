@@ -8,4 +8,5 @@ mod histogram;
 mod innovation;
 mod kalman;
 mod landmark;
+mod lateration;
 mod slam;
