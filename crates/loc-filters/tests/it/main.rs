@@ -4,7 +4,9 @@
 mod association;
 mod delayed;
 mod extended;
+mod histogram;
 mod innovation;
 mod kalman;
 mod landmark;
+mod lateration;
 mod slam;
