@@ -95,17 +95,17 @@ impl ParticleFilter {
     pub fn correct(&mut self, measurement: &impl Likelihood) -> Weighing {
         let ParticleFilter { workers, particles, .. } = self;
         let mass = workers.rate_and_add_up(particles, measurement);
-        let Some(log_evidence) = mass.log_sum() else {
-            let effective_sample_size = particles.len() as f64;
-            return Weighing { log_evidence: particles.normalize(), effective_sample_size };
-        };
-        workers.divide(particles, log_evidence);
-        Weighing { log_evidence, effective_sample_size: mass.effective_sample_size() }
+        let log_evidence = workers.divide_by(particles, &mass);
+        let is_weighed = log_evidence > f64::NEG_INFINITY;
+        let effective_sample_size =
+            if is_weighed { mass.effective_sample_size() } else { particles.len() as f64 };
+        Weighing { log_evidence, effective_sample_size }
     }
 
     /// Makes the weights add up to 1; see [`Particles::normalize`].
     pub fn normalize(&mut self) -> f64 {
-        self.particles.normalize()
+        let mass = self.workers.add_up(&self.particles);
+        self.workers.divide_by(&mut self.particles, &mass)
     }
 
     /// Draws `count` particles in proportion to their weights (M8, M9), which are equal afterwards.

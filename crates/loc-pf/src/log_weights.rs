@@ -63,12 +63,18 @@ impl Mass {
         Arch::new().dispatch(AddUp(log_weights))
     }
 
-    /// The weights of a whole cloud: those of its parts, added up in their order.
-    pub(crate) fn of_all(log_weights: &[f64]) -> Mass {
-        Mass::total(log_weights.chunks(PART).map(Mass::of))
+    /// The weights of a part after a share of a measurement, whose log-likelihoods are given, is
+    /// taken in; they go to `after`.
+    pub(crate) fn after(
+        log_weights: &[f64],
+        share: f64,
+        log_likelihoods: &[f64],
+        after: &mut [f64],
+    ) -> Mass {
+        Arch::new().dispatch(TakeIn { log_weights, share, log_likelihoods, after })
     }
 
-    /// Parts added up in their order.
+    /// The weights of a whole cloud: parts added up in their order.
     pub(crate) fn total(parts: impl IntoIterator<Item = Mass>) -> Mass {
         parts.into_iter().fold(Mass::default(), Mass::plus)
     }
@@ -103,21 +109,47 @@ impl WithSimd for AddUp<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Mass {
-        let largest = largest(self.0);
-        let (mut sums, mut squares) = ([0.0; LANES], [0.0; LANES]);
-        let mut add = |weights: &[f64]| {
-            for ((sum, square), weight) in sums.iter_mut().zip(&mut squares).zip(weights) {
-                let weight = exp(weight - largest);
-                *sum += weight;
-                *square += weight * weight;
-            }
-        };
-        let (chunks, rest) = self.0.as_chunks::<LANES>();
-        for chunk in chunks {
-            add(chunk);
+        add_up(self.0)
+    }
+}
+
+#[inline(always)]
+fn add_up(log_weights: &[f64]) -> Mass {
+    let largest = largest(log_weights);
+    let (mut sums, mut squares) = ([0.0; LANES], [0.0; LANES]);
+    let mut add = |weights: &[f64]| {
+        for ((sum, square), weight) in sums.iter_mut().zip(&mut squares).zip(weights) {
+            let weight = exp(weight - largest);
+            *sum += weight;
+            *square += weight * weight;
         }
-        add(rest);
-        Mass { largest, sum: sums.iter().sum(), squares: squares.iter().sum() }
+    };
+    let (chunks, rest) = log_weights.as_chunks::<LANES>();
+    for chunk in chunks {
+        add(chunk);
+    }
+    add(rest);
+    Mass { largest, sum: sums.iter().sum(), squares: squares.iter().sum() }
+}
+
+/// Takes in a share of a measurement.
+struct TakeIn<'a> {
+    log_weights: &'a [f64],
+    share: f64,
+    log_likelihoods: &'a [f64],
+    after: &'a mut [f64],
+}
+
+impl WithSimd for TakeIn<'_> {
+    type Output = Mass;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Mass {
+        let before = self.log_weights.iter().zip(self.log_likelihoods);
+        for (after, (weight, likelihood)) in self.after.iter_mut().zip(before) {
+            *after = weight + self.share * likelihood;
+        }
+        add_up(self.after)
     }
 }
 

@@ -15,7 +15,7 @@
 //! ```
 
 use crate::Workers;
-use crate::log_weights::{self, Mass};
+use crate::log_weights;
 use loc_core::{Gaussian, Pose2};
 use rand::Rng;
 
@@ -79,7 +79,7 @@ impl<'a> Poses<'a> {
     }
 
     /// The poses one by one.
-    pub fn iter(self) -> impl Iterator<Item = Pose2> + 'a {
+    pub fn iter(self) -> impl Iterator<Item = Pose2> + Clone + 'a {
         let coordinates = self.x.iter().zip(self.y).zip(self.theta);
         coordinates.map(|((&x, &y), &theta)| Pose2 { x, y, theta })
     }
@@ -234,6 +234,25 @@ impl Particles {
         (Poses { x: &self.x, y: &self.y, theta: &self.theta }, &mut self.log_weight)
     }
 
+    /// Poses and log weights to change, at the same time.
+    pub(crate) fn columns_mut(&mut self) -> (PosesMut<'_>, &mut [f64]) {
+        let poses = PosesMut { x: &mut self.x, y: &mut self.y, theta: &mut self.theta };
+        (poses, &mut self.log_weight)
+    }
+
+    /// Becomes the given poses with the given log weights, of which there are as many.
+    pub(crate) fn refill(
+        &mut self,
+        poses: impl Iterator<Item = Pose2> + Clone,
+        log_weights: impl Iterator<Item = f64>,
+    ) {
+        self.clear();
+        self.x.extend(poses.clone().map(|pose| pose.x));
+        self.y.extend(poses.clone().map(|pose| pose.y));
+        self.theta.extend(poses.map(|pose| pose.theta));
+        self.log_weight.extend(log_weights);
+    }
+
     /// The weight of one particle.
     ///
     /// # Panics
@@ -266,18 +285,15 @@ impl Particles {
     /// Weights that are all 0, or infinite, say nothing about the particles: they become equal, and
     /// the answer is -inf. A single weight that is not a number becomes 0.
     pub fn normalize(&mut self) -> f64 {
-        let Some(sum) = Mass::of_all(&self.log_weight).log_sum() else {
-            self.set_equal_weights();
-            return f64::NEG_INFINITY;
-        };
-        log_weights::divide(&mut self.log_weight, sum);
-        sum
+        let workers = Workers::one();
+        let mass = workers.add_up(self);
+        workers.divide_by(self, &mass)
     }
 
     /// How many particles of equal weight would carry as much information:
     /// `(sum w)^2 / sum w^2`, between 1 and M; 0 where no weight is above 0.
     pub fn effective_sample_size(&self) -> f64 {
-        Mass::of_all(&self.log_weight).effective_sample_size()
+        Workers::one().add_up(self).effective_sample_size()
     }
 
     /// Becomes the particles of `other` at `indices`, with equal weights.

@@ -44,10 +44,15 @@ impl Workers {
         Mass::total(self.map(particles.log_weights().chunks(PART), Mass::of))
     }
 
-    /// Divides all weights by one whose logarithm is given.
-    pub(crate) fn divide(&self, particles: &mut Particles, by: f64) {
+    /// Makes weights add up to 1, of which `mass` is the sum; see [`Particles::normalize`].
+    pub(crate) fn divide_by(&self, particles: &mut Particles, mass: &Mass) -> f64 {
+        let Some(sum) = mass.log_sum() else {
+            particles.set_equal_weights();
+            return f64::NEG_INFINITY;
+        };
         let parts = particles.log_weights_mut().chunks_mut(PART);
-        self.for_each(parts, |weights| log_weights::divide(weights, by));
+        self.for_each(parts, |weights| log_weights::divide(weights, sum));
+        sum
     }
 
     /// [`Particles::copy_selected`].
