@@ -25,7 +25,10 @@ mod particles;
 mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
+mod report;
+mod ros;
 mod scenarios;
 mod sense;
+mod switches;
 mod tour;
 mod wean;
