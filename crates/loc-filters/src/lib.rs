@@ -4,6 +4,7 @@ pub mod association;
 pub mod delayed;
 mod error;
 pub mod extended;
+pub mod histogram;
 pub mod innovation;
 pub mod kalman;
 pub mod landmark;

@@ -12,6 +12,7 @@ pub mod people;
 pub mod rail;
 pub mod ranging;
 mod reorder;
+pub mod ros;
 pub mod tour;
 pub mod wean;
 
@@ -22,6 +23,7 @@ pub use mrclam::Mrclam;
 pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
 pub use rail::SimulatedRail;
 pub use ranging::RangeRecording;
+pub use ros::RosRecording;
 pub use tour::SimulatedTour;
 
 use crate::Result;

@@ -1,7 +1,7 @@
 //! The formats of recordings, and how they are told apart.
 
 use crate::source::ranging::{labyrinth, plaza};
-use crate::source::{laser_log, mrclam};
+use crate::source::{laser_log, mrclam, ros};
 use crate::{Error, Result};
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -20,6 +20,8 @@ pub enum Format {
     Carmen,
     /// A log of CMU's Wean Hall.
     Wean,
+    /// A bag of ROS 1 or ROS 2, or an MCAP file.
+    Ros,
 }
 
 /// First words of lines that only a CARMEN log has.
@@ -36,7 +38,7 @@ const CARMEN: [&str; 9] = [
 ];
 
 /// The format of a recording, by its files or its first lines.
-pub(super) fn guess(log: &Path) -> Result<Format> {
+pub(in crate::cli) fn guess(log: &Path) -> Result<Format> {
     std::fs::metadata(log).map_err(loc_core::Error::io(log))?;
     if mrclam::is_mrclam(log) {
         return Ok(Format::Mrclam);
@@ -46,6 +48,9 @@ pub(super) fn guess(log: &Path) -> Result<Format> {
     }
     if plaza::is_plaza(log) {
         return Ok(Format::Plaza);
+    }
+    if ros::is_bag(log)? {
+        return Ok(Format::Ros);
     }
     if log.is_dir() {
         return Err(unknown(log, "a folder without any of these"));
@@ -66,9 +71,9 @@ pub(super) fn guess(log: &Path) -> Result<Format> {
 fn unknown(log: &Path, found: &str) -> Error {
     Error::Recording {
         path: log.to_owned(),
-        expected: "a recording: a folder with Barcodes.dat (mrclam), a file *_Input.txt \
-                   (uwb-labyrinth) or plaza1_ranges.csv (plaza), a log of ODOM and FLASER lines \
-                   (carmen), or of O and L lines (wean)"
+        expected: "a recording: a bag of ROS, an MCAP file, a folder with Barcodes.dat (mrclam), \
+                   a file *_Input.txt (uwb-labyrinth) or plaza1_ranges.csv (plaza), a log of ODOM \
+                   and FLASER lines (carmen), or of O and L lines (wean)"
             .into(),
         found: found.into(),
     }

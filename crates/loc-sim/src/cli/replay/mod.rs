@@ -4,15 +4,20 @@ mod format;
 mod laser;
 mod mrclam;
 mod ranging;
+mod ros;
+
+pub(super) use format::guess;
 
 pub use format::Format;
+pub use ros::RosArgs;
 
 use super::Global;
 use super::progress::Progress;
 use super::show::{Finished, OutputArgs, show};
 use crate::localizer::{Method, MethodSettings};
+use crate::output::mcap::McapRecorder;
 use crate::record::Filming;
-use crate::runner;
+use crate::runner::{self, Both};
 use crate::scenario::recording;
 use crate::source::Source;
 use crate::source::laser_log::Scans;
@@ -22,7 +27,8 @@ use std::path::PathBuf;
 /// Localize the robot of a recording.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ReplayArgs {
-    /// The recording: a folder of MRCLAM files or of ranges (UWB labyrinth, Plaza), a CARMEN log,
+    /// The recording: a bag of ROS 1 or 2, an MCAP file, a folder of MRCLAM files or of ranges
+    /// (UWB labyrinth, Plaza), a CARMEN log,
     /// or one of Wean Hall.
     #[arg(value_name = "LOG", required_unless_present = "print_config")]
     pub log: Option<PathBuf>,
@@ -65,6 +71,9 @@ pub struct ReplayArgs {
     /// Print the settings that suit the format as TOML instead of running.
     #[arg(long)]
     pub print_config: bool,
+    /// What is said about a bag.
+    #[command(flatten)]
+    pub ros: RosArgs,
     /// What to run, and where to write it.
     #[command(flatten)]
     pub output: OutputArgs,
@@ -92,7 +101,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let mut replay = match format {
         Format::Mrclam => mrclam::prepare(args, log)?,
         Format::UwbLabyrinth | Format::Plaza => ranging::prepare(args, log, format)?,
-        Format::Carmen | Format::Wean => laser::prepare(args, log, format)?,
+        Format::Carmen | Format::Wean | Format::Ros => laser::prepare(args, log, format)?,
     };
     replay.settings.seed = args.seed.unwrap_or(replay.settings.seed);
     replay.settings.global |= args.global_start;
@@ -108,7 +117,10 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let source = replay.source.as_mut();
     let mut tell = |share| progress.tell(share);
     let mut filming = Filming::new(&mut tell);
-    let mut run = runner::run_watched(source, methods, &replay.settings, &mut filming)?;
+    let mut recorder = args.output.recorder()?;
+    let mut watcher = Both(&mut filming, &mut recorder);
+    let mut run = runner::run_watched(source, methods, &replay.settings, &mut watcher)?;
+    recorder.map_or(Ok(()), McapRecorder::finish)?;
     run.film = Some(filming.film);
     progress.finish();
     let name = run.setup.name.replace(' ', "-");
@@ -127,7 +139,7 @@ fn print_config(args: &ReplayArgs) -> anyhow::Result<()> {
     let text = match args.format.or(guessed).unwrap_or(Format::Mrclam) {
         Format::Mrclam => recording::MRCLAM,
         Format::UwbLabyrinth | Format::Plaza => recording::RANGING,
-        Format::Carmen | Format::Wean => recording::LASER,
+        Format::Carmen | Format::Wean | Format::Ros => recording::LASER,
     };
     super::print(text.trim_end())
 }

@@ -21,7 +21,8 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
         Some(file) => RecordingConfig::read(file, changes)?,
         None => RecordingConfig::parse("settings for ranging", recording::RANGING, changes)?,
     };
-    let pose = args.initial_pose.as_deref().map(parse_pose).transpose()?;
+    let pose =
+        args.initial_pose.as_deref().map(|text| parse_pose("--initial-pose", text)).transpose()?;
     let start = RangingStart { pose, sigmas: config.start.sigmas()? };
     let source = match format {
         Format::Plaza => RangeRecording::plaza(log, args.robot, &start)?,

@@ -20,7 +20,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 12] = [
+pub const NAMES: [&str; 14] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -33,6 +33,8 @@ pub const NAMES: [&str; 12] = [
     "diversity.svg",
     "lateration.svg",
     "resampling.svg",
+    "mailbox.svg",
+    "beliefs.svg",
 ];
 
 /// The figures that suit a run.

@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// What is known of the start of such a recording.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RangingStart {
     /// The start pose, where the user says it; else that of the reference.
     pub pose: Option<Pose2>,
