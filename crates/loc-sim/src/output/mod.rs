@@ -23,6 +23,7 @@ mod trajectories;
 pub use backdrop::backdrop;
 pub use folder::Folder;
 pub use illustration::Illustration;
+pub(crate) use report::page;
 pub use report::report;
 pub use table::{final_beliefs, table};
 

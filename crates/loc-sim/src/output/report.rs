@@ -20,7 +20,7 @@ pub fn report(summary: &Summary, title: &str, command: &str, figures: &[FigureFi
 }
 
 /// A page with a text, figures and the command that makes it again.
-pub(super) fn page(text: &str, title: &str, command: &str, figures: &[FigureFile]) -> String {
+pub(crate) fn page(text: &str, title: &str, command: &str, figures: &[FigureFile]) -> String {
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
