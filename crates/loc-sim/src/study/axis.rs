@@ -2,6 +2,7 @@
 
 use crate::config::{self, parse_value};
 use crate::{Error, Result};
+use std::collections::BTreeSet;
 use std::fmt;
 use toml::Value;
 
@@ -108,11 +109,12 @@ impl std::str::FromStr for Axis {
             Some(values) => values,
             None => split(values).into_iter().map(|text| AxisValue(parse_value(text))).collect(),
         };
-        for (k, value) in values.iter().enumerate() {
+        let mut seen = BTreeSet::new();
+        for value in &values {
             if matches!(&value.0, Value::String(text) if text.is_empty()) {
                 return Err(config::field(&name, "a value between the commas", ""));
             }
-            if values[..k].contains(value) {
+            if !seen.insert(value.to_string()) {
                 return Err(config::field(&name, "values that differ", &format!("{value} twice")));
             }
         }

@@ -246,7 +246,11 @@ impl Fingerprint {
             if ours != theirs {
                 let named = |from: &[String], without: &[String]| {
                     let differs = from.iter().find(|entry| !without.contains(entry));
-                    differs.map_or_else(|| from.join(", "), String::clone)
+                    match differs {
+                        Some(entry) => entry.clone(),
+                        None if from.is_empty() => "nothing".to_owned(),
+                        None => from.join(", "),
+                    }
                 };
                 let (theirs, ours) = (named(theirs, ours), named(ours, theirs));
                 return Some(format!("{what} was `{theirs}` there and is `{ours}` now"));

@@ -64,7 +64,7 @@ impl StudySource {
     /// [`Error::Config`].
     pub(super) fn check_axes(&self, axes: &[Axis]) -> Result<()> {
         for axis in axes {
-            for k in 0..axis.values().len() {
+            for k in 0..axis.values().len().min(super::CHECKED) {
                 match self.scenario(&[axis.change(k)]) {
                     // Values that only fit together are checked in their combinations.
                     Err(error) if axes.len() == 1 || is_unknown(&error) => {

@@ -12,7 +12,7 @@ pub fn table(results: &Results) -> String {
     let runs = if *runs == 1 { "1 run".to_owned() } else { format!("{runs} runs") };
     let mut lines = vec![
         format!("{scenario}: {runs}, seeds {first_seed} to {last}"),
-        format!("success: {}; ranges hold the truth at 95 %", results.success),
+        format!("success: {}; ranges at 95 %", results.success),
         String::new(),
     ];
     lines.extend(columns(results, &accuracy()));
@@ -39,14 +39,13 @@ fn accuracy() -> Vec<TableColumn> {
     vec![
         ("success [%]", |group| match (group.success_rate, group.success_interval) {
             (Some(rate), Some([low, high])) => {
-                format!("{} ({} .. {})", percent(rate), percent(low), percent(high))
+                format!("{} ({}..{})", percent(rate), percent(low), percent(high))
             }
             _ => "-".into(),
         }),
         ("ATE [m]", |group| with_range(group.ate_rmse_m, 3)),
         ("p95", |group| figure(group.ate_rmse_m.map(|s| s.p95), 3)),
         ("head [deg]", |group| figure(group.heading_rmse_deg.map(|s| s.mean), 2)),
-        ("end [m]", |group| figure(group.final_error_m.map(|s| s.mean), 3)),
         ("time [ms]", |group| figure(group.runtime_s.map(|s| 1e3 * s.mean), 1)),
     ]
 }
@@ -56,15 +55,15 @@ fn consistency() -> Vec<TableColumn> {
         ("NEES/dof", |group| match group.consistency.nees_interval {
             Some([low, high]) => {
                 let mean = figure(group.consistency.nees_per_degree, 3);
-                format!("{mean} ({low:.3} .. {high:.3})")
+                format!("{mean} ({low:.3}..{high:.3})")
             }
             None => figure(group.consistency.nees_per_degree, 3),
         }),
         ("in band", |group| share(group.consistency.nees_share_in_band)),
-        ("NIS/dof", |group| match group.consistency.nis_band {
+        ("NIS/dof (band)", |group| match group.consistency.nis_band {
             Some([low, high]) => {
                 let mean = figure(group.consistency.nis_per_degree, 3);
-                format!("{mean} (band {low:.3} .. {high:.3})")
+                format!("{mean} ({low:.3}..{high:.3})")
             }
             None => "-".into(),
         }),
@@ -121,10 +120,13 @@ fn figure(value: Option<f64>, digits: usize) -> String {
     }
 }
 
+/// In whole percent, but not 100 where there is a failure, nor 0 where there is a success.
 fn percent(share: f64) -> String {
-    format!("{:.1}", 100.0 * share)
+    let percent = 100.0 * share;
+    let whole = (1.0..=99.0).contains(&percent) || percent <= 0.0 || percent >= 100.0;
+    if whole { format!("{percent:.0}") } else { format!("{percent:.1}") }
 }
 
 fn share(share: Option<f64>) -> String {
-    share.map_or("-".into(), |share| format!("{:.0} %", 100.0 * share))
+    share.map_or("-".into(), |share| format!("{} %", percent(share)))
 }

@@ -27,6 +27,7 @@ mod recordings;
 mod replay;
 mod scenarios;
 mod sense;
+mod study;
 mod switches;
 mod tour;
 mod wean;

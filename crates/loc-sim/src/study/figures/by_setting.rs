@@ -70,7 +70,11 @@ fn accuracy(lines: &[GroupLine<'_>]) -> Vec<Chart> {
 fn consistency(lines: &[GroupLine<'_>]) -> Vec<Chart> {
     let nees = Chart::new("NEES per degree").reference(1.0, "honest");
     let share = Chart::new("steps in band [%]").reference(95.0, "honest");
-    let nis = Chart::new("NIS per degree").reference(1.0, "honest");
+    let band = honest_nis(lines);
+    let mut nis = Chart::new("NIS per degree").reference(1.0, "honest");
+    if !band.is_empty() {
+        nis = nis.band(Role::Reference, "honest, 95 %", band);
+    }
     vec![
         drawn(nees, lines, |groups| {
             mean(groups, |g| {
@@ -83,6 +87,18 @@ fn consistency(lines: &[GroupLine<'_>]) -> Vec<Chart> {
         }),
         drawn(nis, lines, |groups| mean(groups, |g| Some(alone(g.consistency.nis_per_degree?)))),
     ]
+}
+
+/// The band of the first line with one: all have about as many measurements.
+fn honest_nis(lines: &[GroupLine<'_>]) -> Vec<(f64, f64, f64)> {
+    let bands = lines.iter().map(|line| {
+        let points = line.points.iter().filter_map(|(x, groups)| match groups.as_slice() {
+            [only] => only.consistency.nis_band.map(|[low, high]| (*x, low, high)),
+            _ => None,
+        });
+        points.collect::<Vec<_>>()
+    });
+    bands.into_iter().find(|band| !band.is_empty()).unwrap_or_default()
 }
 
 fn alone(value: f64) -> Ranged {
