@@ -6,8 +6,10 @@ use crate::localizer::{Estimate, Judgement, Method, MethodSettings};
 use crate::source::Setup;
 use loc_core::Stamped;
 
+mod film;
 mod snapshots;
 
+pub use film::{Film, Filming, Frame, Inside};
 pub use snapshots::Snapshots;
 
 /// A finished run of several methods over one source.
@@ -25,6 +27,8 @@ pub struct Run {
     pub methods: Vec<MethodRecord>,
     /// What the source passed over.
     pub notes: Vec<String>,
+    /// What was to be seen at each of the stamps, where somebody filmed it.
+    pub film: Option<Film>,
 }
 
 /// What one method did.

@@ -65,7 +65,7 @@ fn stage(
         .map(|figure| FigureFile { file: "", caption: figure.caption, svg: figure.svg.clone() })
         .collect();
     let title = format!("Study: {}", results.title);
-    let report = crate::output::page(&table(results), &title, command, &pictures);
+    let report = crate::output::plain(&table(results), &title, command, &pictures);
     let mut texts =
         vec![("study.json".to_owned(), json + "\n"), ("report.html".to_owned(), report)];
     texts.extend(drawn.into_iter().map(|figure| (figure.file, figure.svg)));

@@ -19,6 +19,9 @@ pub const FILE: &str = "journal.jsonl";
 /// How every journal begins.
 const HEAD: &[u8] = b"{\"journal\":";
 
+/// How often a lock is tried again.
+const PATIENCE: u32 = 15;
+
 /// How often the operating system is asked to bring the file to the disk, against a loss of power.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
 
@@ -64,12 +67,7 @@ impl Journal {
         let mut options = OpenOptions::new();
         let file = options.read(true).append(true).create(true).open(&path);
         let file = file.map_err(loc_core::Error::io(&path))?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(Error::Busy { path }),
-            // Some file systems know no locks; that is no reason to refuse them.
-            Err(TryLockError::Error(_)) => {}
-        }
+        lock(&file).map_err(|_| Error::Busy { path: path.clone() })?;
         let places = vec![None; grid.len()];
         let mut journal = Journal { path, file, places, kept: 0, end: 0, synced: Instant::now() };
         journal.read(fingerprint, grid)?;
@@ -184,6 +182,23 @@ impl Journal {
             each(serde_json::from_slice(&bytes).map_err(|error| damaged(&self.path, 0, &error))?)?;
         }
         Ok(())
+    }
+}
+
+/// Keeps others out, as long as the file is open.
+///
+/// A process that is being started holds a copy of every open file for a moment, with its lock;
+/// hence the patience.
+fn lock(file: &File) -> Result<(), TryLockError> {
+    let mut left = PATIENCE;
+    loop {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) if left > 0 => left -= 1,
+            Err(TryLockError::WouldBlock) => return Err(TryLockError::WouldBlock),
+            // Some file systems know no locks; that is no reason to refuse them.
+            Ok(()) | Err(TryLockError::Error(_)) => return Ok(()),
+        }
+        std::thread::sleep(Duration::from_millis(20));
     }
 }
 

@@ -25,6 +25,8 @@ mod particles;
 mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
+mod report;
+mod ros;
 mod scenarios;
 mod sense;
 mod study;

@@ -20,7 +20,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 11] = [
+pub const NAMES: [&str; 13] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -32,6 +32,8 @@ pub const NAMES: [&str; 11] = [
     "stages.svg",
     "diversity.svg",
     "resampling.svg",
+    "mailbox.svg",
+    "beliefs.svg",
 ];
 
 /// The figures that suit a run.

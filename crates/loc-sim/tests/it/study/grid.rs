@@ -67,18 +67,18 @@ fn a_grid_has_every_combination_once() {
 
 #[test]
 fn grids_that_make_no_sense_are_refused() {
-    let wide = || "a=1:1000000:1000000".parse::<Axis>().unwrap();
+    let wide = || "a=1:1000:1000".parse::<Axis>().unwrap();
     let refused = |axes: Vec<Axis>, seed: u64, runs: u64| {
         Grid::new(axes, seed, runs).unwrap_err().to_string()
     };
     assert_eq!(refused(vec![], 1, 0), "--runs: expected at least 1, got `0`");
     assert_eq!(
-        refused(vec![wide()], 1, 2),
-        "--runs, --vary: expected at most 1000000 runs, got `1000000 settings x 2 runs = 2000000`"
+        refused(vec![wide()], 1, 1001),
+        "--runs, --vary: expected at most 1000000 runs, got `1000 settings x 1001 runs = 1001000`"
     );
-    assert!(Grid::new(vec![wide()], 1, 1).is_ok());
+    assert!(Grid::new(vec![wide()], 1, 1000).is_ok());
     assert!(refused(vec![], 1, u64::MAX).contains("at most 1000000 runs"));
-    let more = vec![wide(), "b=1:1000000:1000000".parse().unwrap()];
+    let more = (0..20).map(|k| format!("k{k}=1:1000:1000").parse().unwrap()).collect();
     assert!(refused(more, 1, u64::MAX).contains("at most 1000000 runs"));
     assert!(
         refused(vec![], u64::MAX, 2).contains("--seed: expected seeds up to 18446744073709551615")

@@ -8,9 +8,9 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-const RUNS: usize = 120;
+const RUNS: usize = 80;
 
-/// 120 runs of about ten milliseconds each.
+/// 80 runs of about ten milliseconds each.
 fn command(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_loc-sim"));
     command.current_dir(folder).args(arguments()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -18,7 +18,7 @@ fn command(folder: &Path) -> Command {
 }
 
 fn arguments() -> Vec<&'static str> {
-    let text = "study landmark-drive --runs 60 --vary filter.particles=300,400 --method mcl --out o --threads 2";
+    let text = "study landmark-drive --runs 40 --vary filter.particles=300,400 --method mcl --out o --threads 2";
     text.split(' ').collect()
 }
 
@@ -96,9 +96,8 @@ fn ctrl_c_finishes_what_has_begun_and_says_how_to_go_on() {
     let (output, text) = end(child);
     assert_eq!(output.status.code(), Some(130), "{text}");
     let count = runs(folder.path()).len();
-    let message = format!(
-        "interrupted: {count} of 120 runs are done and kept in o; the same command goes on"
-    );
+    let message =
+        format!("interrupted: {count} of 80 runs are done and kept in o; the same command goes on");
     assert!(text.contains(&message) && output.stdout.is_empty(), "{text}");
     let journal = fs::read(folder.path().join("o/journal.jsonl")).unwrap();
     assert!(journal.ends_with(b"}\n"), "nothing half");
@@ -124,7 +123,7 @@ fn a_full_disk_keeps_what_is_done() {
     assert!((1..RUNS).contains(&count), "{text}");
     assert!(
         text.contains(&format!(
-            "stopped, {count} of 120 runs are kept in o: o/journal.jsonl: File too large"
+            "stopped, {count} of 80 runs are kept in o: o/journal.jsonl: File too large"
         )),
         "{text}"
     );
