@@ -147,7 +147,7 @@ impl LinearSlam {
                 let along = Vector2::ith(axis, 1.0);
                 let by_landmark = [along.x, along.y];
                 let residual = residual[axis];
-                Row { landmark, by_robot: -along, by_landmark, residual, variance }
+                Row { landmark, by_robot: -along, by_landmark, other: None, residual, variance }
             }));
         }
         Ok(innovation)

@@ -21,7 +21,7 @@
 //! slam.correct(&[see(4.0)])?;
 //! slam.predict(Twist2::forward(1.0, 0.0), 1.0)?;
 //! slam.correct(&[see(2.9)])?;
-//! let (robot, landmark) = (slam.pose()?, slam.landmark(7).unwrap());
+//! let (robot, landmark) = (slam.pose()?, slam.landmark(7)?.unwrap());
 //! assert!(robot.mean.x > 1.0 && (landmark.position.mean.x - 3.95).abs() < 0.05);
 //! # Ok::<(), loc_filters::Error>(())
 //! ```

@@ -2,6 +2,7 @@
 
 pub mod eval;
 pub mod fit_beam;
+pub mod info;
 pub mod list;
 pub mod map;
 mod progress;
@@ -45,6 +46,7 @@ enum Command {
     List,
     Run(run::RunArgs),
     Replay(replay::ReplayArgs),
+    Info(info::InfoArgs),
     Eval(eval::EvalArgs),
     Map(map::MapArgs),
     Sense(sense::SenseArgs),
@@ -63,6 +65,7 @@ impl Cli {
             Some(Command::List) => list::list(&self.global),
             Some(Command::Run(args)) => run::run(args, &self.global),
             Some(Command::Replay(args)) => replay::replay(args, &self.global),
+            Some(Command::Info(args)) => info::info(args, &self.global),
             Some(Command::Eval(args)) => eval::run(args, &self.global),
             Some(Command::Map(args)) => map::map(args, &self.global),
             Some(Command::Sense(args)) => sense::sense(args, &self.global),

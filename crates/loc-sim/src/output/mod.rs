@@ -13,6 +13,7 @@ mod backdrop;
 pub mod figures;
 mod folder;
 mod illustration;
+pub mod mcap;
 pub mod perceptual;
 pub(crate) mod png;
 mod report;

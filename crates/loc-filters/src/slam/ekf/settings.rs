@@ -50,6 +50,9 @@ pub struct MapSettings {
     /// What is taken from the score when a landmark in the middle of the view is not seen. Without
     /// numbers on landmarks only.
     pub miss_cost: f64,
+    /// Two landmarks become one where that is so many times likelier than that they are two.
+    /// Without numbers on landmarks only.
+    pub merge_ratio: f64,
     /// A sighting that fits no landmark is a new one where right sightings of the known ones lie
     /// that far out with a probability of less than 1 minus this.
     pub new_landmark_probability: f64,
@@ -62,6 +65,7 @@ impl Default for MapSettings {
             confirm_score: 3.0,
             most_score: 10.0,
             miss_cost: 0.2,
+            merge_ratio: 100.0,
             new_landmark_probability: 0.9999,
         }
     }
@@ -89,6 +93,10 @@ pub struct SlamSettings {
     pub jacobians: Jacobians,
     /// What becomes of landmarks in the map.
     pub map: MapSettings,
+    /// Where given, the filter works on the landmarks within this radius \[m\] alone, and carries
+    /// to the others what they are owed when the robot leaves (Guivant and Nebot 2001): the same
+    /// result, at a cost that follows the landmarks nearby. Best at twice the camera's range.
+    pub submap_radius: Option<f64>,
 }
 
 impl SlamSettings {
@@ -114,9 +122,16 @@ impl SlamSettings {
         )?;
         positive("score that confirms a landmark", map.confirm_score)?;
         non_negative("cost of not seeing a landmark", map.miss_cost)?;
+        self.submap_radius.map_or(Ok(0.0), |radius| positive("radius of a submap [m]", radius))?;
         self.new_landmark_gate()?;
         Gate::probability(self.association.gate_probability)?;
         Ok(())
+    }
+
+    /// How landmarks are found that are in the map twice.
+    pub(super) fn merging(&self) -> AssociationSettings {
+        let rule = crate::association::Rule::JointCompatibility;
+        AssociationSettings { rule, least_ratio: self.map.merge_ratio, ..self.association }
     }
 
     /// The NIS beyond which a sighting is one of something new.

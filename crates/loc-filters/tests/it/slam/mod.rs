@@ -2,4 +2,5 @@ mod bad_input;
 mod consistency;
 mod linear;
 mod reference;
+mod submap;
 mod unknown;

@@ -54,6 +54,29 @@ pub(super) struct Blocks {
     blocks: Vec<Block>,
     /// The blocks row by row.
     order: Vec<u32>,
+    /// The block that was asked for last.
+    last: usize,
+}
+
+/// Where a cell is among the blocks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    /// The key of its block.
+    pub(super) block: u64,
+    /// Its square and its heading there.
+    pub(super) within: u32,
+}
+
+impl Place {
+    #[inline(always)]
+    pub(super) fn of(address: Address) -> Place {
+        let [row, column] = address.square;
+        let square = row % SIDE * SIDE + column % SIDE;
+        Place {
+            block: u64::from(row / SIDE) * ROW + u64::from(column / SIDE),
+            within: square * MOST_HEADINGS + address.heading,
+        }
+    }
 }
 
 impl Blocks {
@@ -67,21 +90,24 @@ impl Blocks {
         }
     }
 
-    /// Marks a cell as occupied and returns its place, from which [`cell`](Blocks::cell) tells its
-    /// number later.
+    /// Marks a cell of a block as occupied and returns its place among all blocks, from which
+    /// [`cell`](Blocks::cell) tells its number later.
     #[inline(always)]
-    pub(super) fn occupy(&mut self, address: Address) -> u32 {
-        let [row, column] = address.square;
-        let key = u64::from(row / SIDE) * ROW + u64::from(column / SIDE);
-        let square = row % SIDE * SIDE + column % SIDE;
-        let index = match self.look_up(key) {
-            Ok(index) => index,
-            // Places have room for 4 million blocks; a cloud that needs more is on no map.
-            Err(_) if self.blocks.len() as u32 >= NOWHERE / BLOCK => return NOWHERE,
-            Err(slot) => self.add(key, slot),
+    pub(super) fn occupy(&mut self, key: u64, within: u32) -> u32 {
+        // Particles of a tracked cloud lie in one and the same block, more often than not.
+        let index = match self.blocks.get(self.last) {
+            Some(block) if block.key == key => self.last,
+            _ => match self.look_up(key) {
+                Ok(index) => index,
+                // Places have room for 4 million blocks; a cloud that needs more is on no map.
+                Err(_) if self.blocks.len() as u32 >= NOWHERE / BLOCK => return NOWHERE,
+                Err(slot) => self.add(key, slot),
+            },
         };
-        self.blocks[index].squares[square as usize].headings |= 1 << address.heading;
-        index as u32 * BLOCK + square * MOST_HEADINGS + address.heading
+        self.last = index;
+        let square = &mut self.blocks[index].squares[(within / MOST_HEADINGS) as usize % SQUARES];
+        square.headings |= 1 << (within % MOST_HEADINGS);
+        index as u32 * BLOCK + within
     }
 
     /// The number of the cell at a place.

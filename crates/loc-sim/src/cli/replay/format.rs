@@ -33,7 +33,7 @@ const CARMEN: [&str; 9] = [
 ];
 
 /// The format of a recording, by its files or its first lines.
-pub(super) fn guess(log: &Path) -> Result<Format> {
+pub(in crate::cli) fn guess(log: &Path) -> Result<Format> {
     std::fs::metadata(log).map_err(loc_core::Error::io(log))?;
     if mrclam::is_mrclam(log) {
         return Ok(Format::Mrclam);

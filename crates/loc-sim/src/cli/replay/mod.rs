@@ -5,6 +5,8 @@ mod laser;
 mod mrclam;
 mod ros;
 
+pub(super) use format::guess;
+
 pub use format::Format;
 pub use ros::RosArgs;
 
@@ -12,8 +14,9 @@ use super::Global;
 use super::progress::Progress;
 use super::show::{Finished, OutputArgs, show};
 use crate::localizer::{Method, MethodSettings};
+use crate::output::mcap::McapRecorder;
 use crate::record::Filming;
-use crate::runner;
+use crate::runner::{self, Both};
 use crate::scenario::recording;
 use crate::source::Source;
 use crate::source::laser_log::Scans;
@@ -111,7 +114,10 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let source = replay.source.as_mut();
     let mut tell = |share| progress.tell(share);
     let mut filming = Filming::new(&mut tell);
-    let mut run = runner::run_watched(source, methods, &replay.settings, &mut filming)?;
+    let mut recorder = args.output.recorder()?;
+    let mut watcher = Both(&mut filming, &mut recorder);
+    let mut run = runner::run_watched(source, methods, &replay.settings, &mut watcher)?;
+    recorder.map_or(Ok(()), McapRecorder::finish)?;
     run.film = Some(filming.film);
     progress.finish();
     let name = run.setup.name.replace(' ', "-");
