@@ -10,6 +10,7 @@ pub mod replay;
 pub mod run;
 pub mod sense;
 mod show;
+pub mod study;
 
 use clap::{Parser, Subcommand};
 use std::io::Write;
@@ -50,6 +51,7 @@ enum Command {
     Map(map::MapArgs),
     Sense(sense::SenseArgs),
     FitBeam(fit_beam::FitBeamArgs),
+    Study(study::StudyArgs),
 }
 
 impl Cli {
@@ -68,8 +70,17 @@ impl Cli {
             Some(Command::Map(args)) => map::map(args, &self.global),
             Some(Command::Sense(args)) => sense::sense(args, &self.global),
             Some(Command::FitBeam(args)) => fit_beam::fit_beam(args, &self.global),
+            Some(Command::Study(args)) => study::study(args, &self.global),
         }
     }
+}
+
+/// The exit code of a command that Ctrl-C has ended: 128 and the number of the signal.
+const INTERRUPTED: u8 = 130;
+
+/// The exit code that an error stands for.
+pub fn exit_code(error: &anyhow::Error) -> u8 {
+    if error.is::<study::Interrupted>() { INTERRUPTED } else { 1 }
 }
 
 /// Writes a text and a line break to standard output.

@@ -84,7 +84,7 @@ pub(super) fn show_illustration(
 }
 
 /// The command as it was given.
-fn command() -> String {
+pub(super) fn command() -> String {
     let arguments = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     format!("loc-sim {arguments}").trim_end().to_owned()
 }

@@ -25,6 +25,7 @@ pub use backdrop::backdrop;
 pub use folder::Folder;
 pub use illustration::Illustration;
 pub use report::Report;
+pub(crate) use report::plain;
 pub use table::{final_beliefs, table};
 
 use crate::Result;

@@ -16,6 +16,7 @@ mod filter;
 mod landmark_mcl;
 mod lateration;
 pub mod recording;
+mod shorthand;
 
 pub use filter::FilterConfig;
 pub use landmark_mcl::LandmarkMclConfig;
@@ -101,9 +102,22 @@ impl Scenario {
     /// # Errors
     /// [`Error::Config`] with line and key.
     pub fn parse(file: &str, text: &str, changes: &[String]) -> Result<Self> {
-        let scenario: Scenario = config::parse(file, text, changes)?;
+        let changes = Scenario::in_full(file, text, changes)?;
+        let scenario: Scenario = config::parse(file, text, &changes)?;
         scenario.check().map_err(|error| config::error(file, &error.to_string()))?;
         Ok(scenario)
+    }
+
+    /// Changes with their keys in full: a few settings have short names, and the name of what is
+    /// simulated may be left out (`laser.every_s` for `tour.laser.every_s`).
+    ///
+    /// # Errors
+    /// [`Error::Config`] for text that is no TOML.
+    pub(crate) fn in_full(file: &str, text: &str, changes: &[String]) -> Result<Vec<String>> {
+        if changes.is_empty() {
+            return Ok(Vec::new());
+        }
+        Ok(shorthand::expand(&config::table(file, text, &[])?, changes))
     }
 
     fn check(&self) -> Result<()> {

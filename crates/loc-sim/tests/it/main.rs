@@ -30,6 +30,7 @@ mod report;
 mod ros;
 mod scenarios;
 mod sense;
+mod study;
 mod switches;
 mod tour;
 mod wean;
