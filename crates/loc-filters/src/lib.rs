@@ -6,6 +6,7 @@ pub mod extended;
 pub mod innovation;
 pub mod kalman;
 pub mod landmark;
+pub mod line_matching;
 
 pub use error::{Error, Result};
 pub use extended::{ExtendedKalmanFilter, MeasurementModel, MotionModel};
