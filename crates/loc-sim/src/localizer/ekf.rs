@@ -1,17 +1,19 @@
 //! `ekf`: the extended Kalman filter with landmarks (H2).
 
-use super::{Estimate, Judgement, Localizer, seen_at};
+use super::driven::DrivenVelocity;
+use super::{Estimate, Judgement, Localizer, Whitened, seen_at};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
-use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, Outcome};
+use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, Outcome, Verdict};
 use loc_sensors::landmark_camera::Sighting;
 
 #[derive(Debug)]
 pub(super) struct Ekf {
     localizer: LandmarkLocalizer,
     mounting: Pose2,
+    driven: DrivenVelocity,
 }
 
 impl Ekf {
@@ -25,7 +27,8 @@ impl Ekf {
         }
         let map = setup.landmarks.clone();
         let localizer = LandmarkLocalizer::new(map, settings, setup.start, setup.start_belief)?;
-        Ok(Ekf { localizer, mounting: settings.mounting })
+        let mounting = settings.mounting;
+        Ok(Ekf { localizer, mounting, driven: DrivenVelocity::default() })
     }
 
     fn judge(&self, pose: Pose2, outcome: &Outcome, sighting: &Sighting) -> Judgement {
@@ -33,6 +36,7 @@ impl Ekf {
             accepted: outcome.accepted(),
             nis: outcome.nis(),
             degrees_of_freedom: outcome.degrees_of_freedom(),
+            whitened: whitened(outcome),
             seen_at: seen_at(pose * self.mounting, sighting),
         }
     }
@@ -40,8 +44,8 @@ impl Ekf {
 
 impl Localizer for Ekf {
     fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
-        if let Control::Velocity(twist) = control {
-            self.localizer.velocity(stamp, *twist)?;
+        if let Some((from, twist)) = self.driven.of(stamp, control) {
+            self.localizer.velocity(from, twist)?;
         }
         Ok(())
     }
@@ -63,5 +67,13 @@ impl Localizer for Ekf {
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {
         Ok(self.localizer.estimate(stamp)?.into())
+    }
+}
+
+fn whitened(outcome: &Outcome) -> Whitened {
+    match &outcome.verdict {
+        Verdict::UnknownLandmark => Whitened::NONE,
+        Verdict::RangeBearing(innovation) => innovation.whitened.into(),
+        Verdict::Range(innovation) | Verdict::Bearing(innovation) => innovation.whitened.into(),
     }
 }

@@ -1,5 +1,6 @@
 //! `mcl` among landmarks: Monte Carlo localization by sightings (M5).
 
+use super::driven::DrivenVelocity;
 use super::{Cloud, Estimate, Judgement, Localizer, MethodSettings, seen_at};
 use crate::Result;
 use crate::event::{Control, Measurement};
@@ -17,6 +18,7 @@ const BELIEVED: f64 = 0.5;
 pub(super) struct SightMcl {
     mcl: LandmarkMcl,
     mounting: Pose2,
+    driven: DrivenVelocity,
 }
 
 impl SightMcl {
@@ -29,24 +31,24 @@ impl SightMcl {
         } else {
             LandmarkMcl::new(map, with, setup.start, &setup.start_belief, rng)?
         };
-        Ok(SightMcl { mcl, mounting: with.sights.mounting })
+        let mounting = with.sights.mounting;
+        Ok(SightMcl { mcl, mounting, driven: DrivenVelocity::default() })
     }
 
     fn judge(&self, pose: Pose2, update: &SightingUpdate, sighting: &Sighting) -> Judgement {
         let trust = update.trust.iter().find(|trust| trust.sighting == *sighting);
         Judgement {
             accepted: trust.is_some_and(|trust| trust.probability >= BELIEVED),
-            nis: None,
-            degrees_of_freedom: 0,
             seen_at: seen_at(pose * self.mounting, sighting),
+            ..Judgement::REFUSED
         }
     }
 }
 
 impl Localizer for SightMcl {
     fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
-        if let Control::Velocity(twist) = control {
-            self.mcl.velocity(stamp, *twist)?;
+        if let Some((from, twist)) = self.driven.of(stamp, control) {
+            self.mcl.velocity(from, twist)?;
         }
         Ok(())
     }

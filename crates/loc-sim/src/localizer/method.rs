@@ -102,8 +102,11 @@ impl Method {
             Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings)?),
             Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
             Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
-            Method::Mcl if !setup.landmarks.is_empty() => Box::new(SightMcl::new(setup, settings)?),
-            Method::Mcl => Box::new(ScanMcl::new(setup, settings)?),
+            // Where both can be had, scans tell more than landmarks.
+            Method::Mcl if setup.has_laser || setup.landmarks.is_empty() => {
+                Box::new(ScanMcl::new(setup, settings)?)
+            }
+            Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
         })
     }
 }

@@ -4,14 +4,17 @@
 
 pub mod cloud;
 mod dead_reckoning;
+mod driven;
 mod ekf;
 mod landmark_mcl;
 mod mcl;
 mod method;
 mod rail;
+mod whitened;
 
 pub use cloud::Cloud;
 pub use method::{Method, MethodSettings, RailSettings};
+pub use whitened::Whitened;
 
 use crate::Result;
 use crate::event::{Control, Measurement};
@@ -73,14 +76,21 @@ pub struct Judgement {
     pub nis: Option<f64>,
     /// How many numbers were measured.
     pub degrees_of_freedom: usize,
+    /// The whitened innovation, where the method computes one.
+    pub whitened: Whitened,
     /// Where the measurement puts the thing it saw, from the method's pose \[m\].
     pub seen_at: Option<Point2<f64>>,
 }
 
 impl Judgement {
     /// A measurement that was turned away before it was looked at.
-    pub const REFUSED: Judgement =
-        Judgement { accepted: false, nis: None, degrees_of_freedom: 0, seen_at: None };
+    pub const REFUSED: Judgement = Judgement {
+        accepted: false,
+        nis: None,
+        degrees_of_freedom: 0,
+        whitened: Whitened::NONE,
+        seen_at: None,
+    };
 }
 
 /// Where a sighting puts its landmark from a camera's pose \[m\]; `None` without a distance and a

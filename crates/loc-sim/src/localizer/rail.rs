@@ -91,6 +91,7 @@ impl Localizer for RailFilter {
             accepted: innovation.accepted,
             nis: Some(innovation.nis),
             degrees_of_freedom: 1,
+            whitened: innovation.whitened.into(),
             seen_at: Some(Point2::new(position, 0.0)),
         }])
     }

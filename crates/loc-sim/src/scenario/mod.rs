@@ -186,9 +186,7 @@ impl Scenario {
             Kind::Rail(_) | Kind::ProbabilityMap(_) | Kind::Demonstration(_) => {
                 LandmarkSettings::default()
             }
-            Kind::Tour(tour) => {
-                LandmarkSettings { motion_noise: tour.wheel_noise()?, ..Default::default() }
-            }
+            Kind::Tour(tour) => tour.sights()?,
         };
         let filter = self.filter.clone().unwrap_or_default();
         Ok(MethodSettings {

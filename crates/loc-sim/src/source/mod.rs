@@ -45,6 +45,8 @@ pub struct Setup {
     pub landmarks: Arc<LandmarkMap>,
     /// The map of the surroundings, where there is one.
     pub map: Option<Arc<OccupancyGrid>>,
+    /// Whether a laser reports scans.
+    pub has_laser: bool,
     /// When the robot is carried to another place without being told \[s\]: from then on it is
     /// there.
     pub kidnapped_at: Option<f64>,

@@ -2,9 +2,11 @@
 
 use loc_core::motion::OdometryMotion;
 use loc_core::{Pose2, angle};
+use loc_sensors::landmark_camera::Sight;
 use loc_sensors::laser::LaserScan;
 use loc_sensors::world::RangeWorld;
 use loc_sim::event::{Control, Event, Measurement, Payload};
+use loc_sim::metrics::{Alignment, Summary};
 use loc_sim::scenario::Scenario;
 use loc_sim::source::{SimulatedTour, Source};
 use std::sync::Arc;
@@ -260,4 +262,51 @@ fn bad_tours_name_the_key() {
         let error = scenario.run(None, None, &mut |_| {}).unwrap_err().to_string();
         assert!(error.contains(message), "{change}: {error}");
     }
+}
+
+#[test]
+fn a_camera_sees_the_landmarks_that_no_wall_hides() {
+    let camera = [
+        "tour.camera={every_s=0.5,fov_deg=360.0,max_range_m=30.0,noise={range_sigma_m=0.0,bearing_sigma_deg=0.0}}",
+        "tour.world.width=500",
+        "tour.world.height=400",
+    ];
+    let mut tour = tour(4, &camera);
+    let landmarks = tour.setup().landmarks.clone();
+    let (mut pose, mut seen, mut hidden) = (Pose2::IDENTITY, 0, 0);
+    let events = events(&mut tour);
+    // The truth of a step comes after what was seen there.
+    for event in events.iter().rev() {
+        match &event.payload {
+            Payload::Truth(truth) => pose = truth.pose,
+            Payload::Measurement(Measurement::Landmarks(sightings)) => {
+                for sighting in sightings {
+                    let place = landmarks.get(sighting.landmark).unwrap().position.xy();
+                    let way = place - pose.position();
+                    let Sight::RangeBearing { range, bearing } = sighting.sight else { panic!() };
+                    assert!((range - way.norm()).abs() < 1e-9);
+                    let direction = pose.theta + bearing;
+                    let free = tour.world().walls().cast(&pose.position(), direction, range - 0.15);
+                    assert_eq!(free, None, "a wall before landmark {}", sighting.landmark);
+                }
+                seen += sightings.len();
+                hidden += landmarks.iter().count() - sightings.len();
+            }
+            _ => {}
+        }
+    }
+    assert!(seen > 50 && hidden > 50, "{seen} seen, {hidden} hidden");
+}
+
+#[test]
+fn landmarks_and_the_poses_of_an_odometry_serve_the_ekf() {
+    let scenario = Scenario::named("overview", &["tour.duration_s=30.0".into()]).unwrap();
+    let run = scenario.run(Some(3), None, &mut |_| {}).unwrap();
+    let summary = Summary::of(&run, Some(3), Alignment::None).unwrap();
+    let rmse = |name: &str| {
+        let (_, method) = summary.methods.iter().find(|(method, _)| method == name).unwrap();
+        method.errors.as_ref().unwrap().ate_rmse_m
+    };
+    assert!(rmse("ekf") < 0.3, "ekf {}", rmse("ekf"));
+    assert!(rmse("mcl") < 0.05, "mcl {}", rmse("mcl"));
 }

@@ -148,6 +148,7 @@ impl LaserRecording {
             rail: None,
             landmarks: Arc::default(),
             map: options.map.clone(),
+            has_laser: true,
             kidnapped_at,
         };
         let events: Vec<Event> = log.entries.into_iter().flat_map(Entry::events).collect();

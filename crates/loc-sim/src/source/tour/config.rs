@@ -4,10 +4,13 @@ use super::{LaserConfig, RobotConfig, WorldConfig};
 use crate::Result;
 use crate::config::field;
 use crate::source::OdometryNoiseConfig;
+use crate::source::drive::CameraConfig;
 use crate::source::people::PeopleConfig;
 use loc_core::Pose2;
 use loc_core::error::{finite, non_negative, positive};
 use loc_core::motion::VelocityNoise;
+use loc_filters::landmark::LandmarkSettings;
+use loc_sensors::landmark_camera::LandmarkCamera;
 use loc_sensors::wheel::{WheelFaults, WheelOdometry};
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -39,6 +42,8 @@ pub struct TourConfig {
     pub wheels: TourWheelConfig,
     /// The laser.
     pub laser: LaserConfig,
+    /// A camera that sees the landmarks of the world.
+    pub camera: Option<CameraConfig>,
     /// People who walk about and stand in the way of beams.
     pub people: Option<PeopleConfig>,
     /// The robot is carried to another place without being told (A3).
@@ -133,6 +138,7 @@ impl TourConfig {
         self.robot.check()?;
         self.odometry()?;
         self.laser.scanner()?;
+        self.sights()?;
         if let Some(people) = &self.people {
             people.check()?;
         }
@@ -184,11 +190,31 @@ impl TourConfig {
         Ok(odometry.with_faults(self.wheels.faults)?)
     }
 
+    /// What a method among landmarks is told unless a filter section says otherwise: the truth.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
+    pub(crate) fn sights(&self) -> Result<LandmarkSettings> {
+        let settings = LandmarkSettings { motion_noise: self.wheel_noise()?, ..Default::default() };
+        let Some(camera) = &self.camera else { return Ok(settings) };
+        self.steps("tour.camera.every_s", camera.every_s)?;
+        if camera.latency_s > 0.0 {
+            let found = camera.latency_s.to_string();
+            return Err(field(
+                "tour.camera.latency_s",
+                "0, as late results are for a drive",
+                &found,
+            ));
+        }
+        let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
+        Ok(LandmarkSettings { mounting, sight_noise: noise, ..settings })
+    }
+
     /// Random errors of the wheels.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
-    pub(crate) fn wheel_noise(&self) -> Result<VelocityNoise> {
+    fn wheel_noise(&self) -> Result<VelocityNoise> {
         self.wheels.noise.map_or(Ok(VelocityNoise::NONE), |noise| noise.noise())
     }
 }

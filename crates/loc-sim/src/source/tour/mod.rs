@@ -7,6 +7,7 @@
 //! Tour, wheels, laser and people draw from random streams of their own: a run with people, or
 //! with another laser, drives the same tour.
 
+mod camera;
 mod config;
 mod driver;
 mod laser;
@@ -24,12 +25,12 @@ use super::people::Crowd;
 use super::{Setup, Source};
 use crate::Result;
 use crate::event::{Control, Event, Measurement, Payload, Truth};
+use camera::TourCamera;
 use driver::Driver;
 use loc_core::gaussian::pose_belief;
 use loc_core::motion::Integration;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
-use loc_maps::LandmarkMap;
 use loc_sensors::laser::LaserScanner;
 use loc_sensors::wheel::WheelOdometry;
 use nalgebra::Point2;
@@ -65,6 +66,7 @@ pub struct SimulatedTour {
     scanner: LaserScanner,
     scan_every: usize,
     laser_rng: ChaCha8Rng,
+    camera: Option<TourCamera>,
     crowd: Option<Crowd>,
     kidnap: Option<Kidnap>,
     waiting: VecDeque<Event>,
@@ -110,6 +112,7 @@ impl SimulatedTour {
             scanner,
             scan_every: config.steps("tour.laser.every_s", config.laser.every_s)?,
             laser_rng: stream(seed, "laser"),
+            camera: TourCamera::new(config, seed)?,
             crowd,
             kidnap,
             waiting: VecDeque::new(),
@@ -157,7 +160,7 @@ impl SimulatedTour {
         self.stops.back().copied()
     }
 
-    /// What became known at this moment: odometry, then the scan, then the truth.
+    /// What became known at this moment: odometry, then the scan and the landmarks, then the truth.
     fn tell(&mut self) {
         let stamp = self.stamp();
         let mut tell = |payload| self.waiting.push_back(Event::now(stamp, payload));
@@ -170,6 +173,11 @@ impl SimulatedTour {
             };
             let (scan, mounting) = (Arc::new(scan), self.scanner.mounting);
             tell(Payload::Measurement(Measurement::Scan { scan, mounting }));
+        }
+        if let Some(camera) = &mut self.camera
+            && let Some(seen) = camera.look(self.step, &self.world, self.pose)
+        {
+            tell(Payload::Measurement(seen));
         }
         tell(Payload::Truth(Truth { pose: self.pose, speed: Some(self.twist.vx) }));
     }
@@ -204,8 +212,10 @@ fn setup(
         end: config.duration_s,
         start_belief,
         rail: None,
-        landmarks: Arc::new(LandmarkMap::default()),
+        // Without a camera, landmarks are of no use to anybody.
+        landmarks: if config.camera.is_some() { world.landmarks.clone() } else { Arc::default() },
         map: Some(world.grid.clone()),
+        has_laser: true,
         kidnapped_at: config.kidnap.map(|kidnap| kidnap.at_s),
     })
 }

@@ -4,7 +4,7 @@ use crate::config::field;
 use crate::{Error, Result};
 use loc_maps::grid::{Occupancy, io};
 use loc_maps::worlds::{self, WorldSettings};
-use loc_maps::{DistanceMap, OccupancyGrid, RayCaster};
+use loc_maps::{DistanceMap, LandmarkMap, OccupancyGrid, RayCaster};
 use nalgebra::Point2;
 use serde::Deserialize;
 use std::path::Path;
@@ -33,6 +33,7 @@ pub struct WorldConfig {
 #[derive(Debug)]
 pub struct TourWorld {
     pub(super) grid: Arc<OccupancyGrid>,
+    pub(super) landmarks: Arc<LandmarkMap>,
     pub(crate) walls: RayCaster,
     clearance: DistanceMap,
 }
@@ -66,7 +67,8 @@ impl TourWorld {
         match (world, map) {
             (Some(world), None) => {
                 let world = worlds::by_name(&world.name, &world.settings()?)?;
-                TourWorld::new(world.grid)
+                let landmarks = Arc::new(world.landmarks);
+                Ok(TourWorld { landmarks, ..TourWorld::new(world.grid)? })
             }
             (None, Some(file)) => TourWorld::new(io::load(file)?),
             (Some(_), Some(_)) => Err(field("world, map", "one of the two", "both")),
@@ -74,14 +76,15 @@ impl TourWorld {
         }
     }
 
-    /// A grid as a world.
+    /// A grid as a world, without landmarks.
     ///
     /// # Errors
     /// Those of [`DistanceMap::to_cells`].
     pub fn new(grid: OccupancyGrid) -> Result<Self> {
         let blocks = |value| Occupancy::of(value) != Occupancy::Free;
         let clearance = DistanceMap::to_cells(&grid, WIDE, blocks)?;
-        Ok(TourWorld { walls: RayCaster::new(&grid), clearance, grid: Arc::new(grid) })
+        let (walls, landmarks) = (RayCaster::new(&grid), Arc::default());
+        Ok(TourWorld { grid: Arc::new(grid), landmarks, walls, clearance })
     }
 
     /// The map.
