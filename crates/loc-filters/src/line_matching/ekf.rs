@@ -1,29 +1,29 @@
 //! The filter: odometry, then the lines of a scan (H4).
 
 use super::pairs::Pairs;
-use super::{
-    FieldOfView, LineMatchingSettings, LinePair, LineUpdate, PredictedLine, Tracking,
-    predicted_lines,
-};
-use crate::extended::{LinearizedMotion, MotionModel};
-use crate::{ExtendedKalmanFilter, Gate, Innovation, Result};
+use super::predicted::predicted_lines;
+use super::search::most_likely;
+use super::state::{OdometryStep, OfPose, STATES, pose_of, set_pose, with_odometry};
+use super::update::matched_share;
+use super::{FieldOfView, LineMatchingSettings, LinePair, LineUpdate, PredictedLine, Tracking};
+use crate::{ExtendedKalmanFilter, Gate, Result};
 use loc_core::motion::{DrivenPath, PathNoise};
 use loc_core::{Gaussian, Pose2};
 use loc_maps::LineMap;
 use loc_sensors::features::Line;
 use loc_sensors::laser::LaserScan;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
 
 /// Extended Kalman filter over (x, y, theta) \[m, m, rad\] with the walls of a line map.
 #[derive(Debug, Clone)]
 pub struct LineEkf {
-    filter: ExtendedKalmanFilter<3>,
+    filter: ExtendedKalmanFilter<STATES>,
     map: Arc<LineMap>,
     settings: LineMatchingSettings,
     gate: Gate,
-    /// Where odometry was last.
-    odometry: Option<Pose2>,
+    /// The way since the last scan that fits.
+    path: Option<DrivenPath>,
     tracking: Tracking,
 }
 
@@ -44,13 +44,26 @@ impl LineEkf {
             return Err(loc_core::Error::Length { what: "line map", expected, found: 0 }.into());
         }
         let gate = settings.gate()?;
+        let systematic = settings.systematic;
+        let start = with_odometry(&start, systematic.drift, systematic.scale);
         let filter = ExtendedKalmanFilter::new(start)?.with_angles(&[2]);
-        Ok(LineEkf { filter, map, settings, gate, odometry: None, tracking: Tracking::default() })
+        Ok(LineEkf { filter, map, settings, gate, path: None, tracking: Tracking::default() })
     }
 
     /// What the filter believes now.
-    pub fn belief(&self) -> &Gaussian<3> {
-        self.filter.belief()
+    pub fn belief(&self) -> Gaussian<3> {
+        pose_of(self.filter.belief())
+    }
+
+    /// What the odometry gets wrong all the time, as far as the filter has found out: by how much
+    /// the heading drifts to the left, beyond what is reported \[rad/m\], and the share by which
+    /// distances are longer than reported.
+    pub fn systematic(&self) -> Gaussian<2> {
+        let belief = self.filter.belief();
+        Gaussian {
+            mean: belief.mean.fixed_rows::<2>(3).into(),
+            covariance: belief.covariance.fixed_view::<2, 2>(3, 3).into(),
+        }
     }
 
     /// Whether it still knows where the robot is.
@@ -63,12 +76,32 @@ impl LineEkf {
         &self.map
     }
 
+    /// The lines that a scanner at `mounting` (`base_from_laser`) should see now, in its frame.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for the mounting and the field of view.
+    pub fn predicted(&self, view: FieldOfView, mounting: Pose2) -> Result<Vec<PredictedLine>> {
+        self.predicted_by(&self.belief(), view, mounting)
+    }
+
+    fn predicted_by(
+        &self,
+        belief: &Gaussian<3>,
+        view: FieldOfView,
+        mounting: Pose2,
+    ) -> Result<Vec<PredictedLine>> {
+        predicted_lines(&self.map, belief, mounting, view, &self.settings)
+    }
+
     /// Starts anew from a belief, as after the robot was lost and found again.
     ///
     /// # Errors
     /// Those of [`Gaussian::new`]; the filter is then as it was.
     pub fn restart(&mut self, belief: Gaussian<3>) -> Result<()> {
-        self.filter = ExtendedKalmanFilter::new(belief)?.with_angles(&[2]);
+        let belief = Gaussian::new(belief.mean, belief.covariance)?;
+        let mut all = *self.filter.belief();
+        set_pose(&mut all, &belief);
+        self.filter = ExtendedKalmanFilter::new(all)?.with_angles(&[2]);
         self.tracking = Tracking::default();
         Ok(())
     }
@@ -79,13 +112,13 @@ impl LineEkf {
     /// [`crate::Error::NotFinite`] for the pose.
     pub fn odometry(&mut self, pose: Pose2) -> Result<()> {
         crate::innovation::finite("pose of the odometry", &pose.to_vector())?;
-        if let Some(before) = self.odometry {
-            let mut path = DrivenPath::starting_at(before);
-            path.extend(pose);
-            let variances = self.settings.motion.variances(&path);
-            self.filter.predict(&OdometryStep { path, variances })?;
-        }
-        self.odometry = Some(pose);
+        let way = self.path.get_or_insert(DrivenPath::starting_at(pose));
+        let mut path = DrivenPath::starting_at(way.end());
+        path.extend(pose);
+        let variances = self.settings.motion.variances(&path);
+        let wander = self.settings.systematic.wander(path.length());
+        self.filter.predict(&OdometryStep { path, variances, wander })?;
+        way.extend(pose);
         Ok(())
     }
 
@@ -111,82 +144,76 @@ impl LineEkf {
         mounting: Pose2,
     ) -> Result<LineUpdate> {
         crate::innovation::finite("mounting of the laser", &mounting.to_vector())?;
-        let before = *self.belief();
-        let mut filter = self.filter;
-        filter.predict(&self.least_noise())?;
-        let predicted = self.predicted(filter.belief(), view, mounting)?;
-        let pairs = self.correct(&mut filter, &seen, &predicted, mounting)?;
-        self.filter = filter;
-        let (after, tracking) = (*filter.belief(), self.tracking);
-        let mut update = LineUpdate { before, after, mounting, seen, predicted, pairs, tracking };
-        self.tracking = tracking.after(self.fits(&update), self.settings.lost.scans);
-        update.tracking = self.tracking;
-        Ok(update)
+        let motion = &self.settings.motion;
+        let least = [motion.least_position, motion.least_position, motion.least_heading];
+        let mut attempt = self.attempt(&seen, view, mounting, least.into())?;
+        if attempt.fits == Some(false) && motion.fault_probability > 0.0 {
+            // Perhaps odometry has failed since a scan fitted.
+            let fault = self.path.map_or(Vector3::zeros(), |path| PathNoise::fault_sigmas(&path));
+            let wide = self.attempt(&seen, view, mounting, fault)?;
+            attempt = if wide.fits == Some(true) { wide } else { attempt };
+        }
+        Ok(self.take(seen, mounting, attempt))
     }
 
-    /// The noise that every update has, in the place where the robot is.
-    fn least_noise(&self) -> OdometryStep {
-        let PathNoise { least_position, least_heading, .. } = self.settings.motion;
-        let least = Vector3::new(least_position, least_position, least_heading);
-        let path = DrivenPath::starting_at(Pose2::IDENTITY);
-        OdometryStep { path, variances: least.component_mul(&least) }
-    }
-
-    fn predicted(
+    /// Tries a correction after more noise along the heading, across it, and of the heading.
+    fn attempt(
         &self,
-        belief: &Gaussian<3>,
+        seen: &[Line],
         view: FieldOfView,
         mounting: Pose2,
-    ) -> Result<Vec<PredictedLine>> {
-        let LineMatchingSettings { min_map_length, map_sigma, .. } = self.settings;
-        predicted_lines(&self.map, belief.pose() * mounting, view, min_map_length, map_sigma)
-    }
-
-    /// Finds pairs and corrects with one after the other.
-    fn correct(
-        &self,
-        filter: &mut ExtendedKalmanFilter<3>,
-        seen: &[Line],
-        predicted: &[PredictedLine],
-        mounting: Pose2,
-    ) -> Result<Vec<Option<LinePair>>> {
-        let belief = *filter.belief();
-        let LineMatchingSettings { min_overlap, slack, .. } = self.settings;
-        let map = &self.map;
-        let pairs = Pairs { belief: &belief, map, mounting, seen, predicted, min_overlap, slack };
-        let partners = pairs.most_likely(&self.gate)?;
-        let mut answers = vec![None; seen.len()];
-        for (index, partner) in partners.iter().enumerate() {
+        sigmas: Vector3<f64>,
+    ) -> Result<Attempt> {
+        let mut filter = self.filter;
+        filter.predict(&OdometryStep {
+            path: DrivenPath::starting_at(Pose2::IDENTITY),
+            variances: sigmas.component_mul(&sigmas),
+            wander: Vector2::zeros(),
+        })?;
+        let belief = pose_of(filter.belief());
+        let predicted = self.predicted_by(&belief, view, mounting)?;
+        let scanner = (belief.pose() * mounting, mounting);
+        let overlap = (self.settings.min_overlap, self.settings.slack);
+        let lines = Pairs::new(&self.map, scanner, seen, &predicted, overlap);
+        let mut pairs = vec![None; seen.len()];
+        for (index, partner) in most_likely(&lines, &belief, &self.gate)?.iter().enumerate() {
             let Some(partner) = *partner else { continue };
-            let model = pairs.model(index, partner);
-            let z = pairs.measurement(index);
-            let innovation: Innovation<2> = filter.correct(&model, &z, &self.gate)?;
-            answers[index] = Some(LinePair { predicted: partner, innovation });
+            let model = OfPose(lines.model(index, partner));
+            let z = lines.measurement(index);
+            let innovation = filter.correct(&model, &z, &self.gate)?;
+            pairs[index] = Some(LinePair { predicted: partner, innovation });
         }
-        Ok(answers)
+        let fits = self.fits(seen, &pairs);
+        Ok(Attempt { filter, predicted, pairs, fits })
     }
 
     /// Whether a scan fits; `None` where it has too few lines to tell.
-    fn fits(&self, update: &LineUpdate) -> Option<bool> {
-        let enough = update.seen.len() >= self.settings.lost.min_lines;
-        let share = update.matched_share().filter(|_| enough)?;
+    fn fits(&self, seen: &[Line], pairs: &[Option<LinePair>]) -> Option<bool> {
+        let enough = seen.len() >= self.settings.lost.min_lines;
+        let share = matched_share(seen, pairs).filter(|_| enough)?;
         Some(share >= self.settings.lost.min_share)
     }
+
+    /// Believes a correction, unless the scan does not fit.
+    fn take(&mut self, seen: Vec<Line>, mounting: Pose2, attempt: Attempt) -> LineUpdate {
+        let before = self.belief();
+        let Attempt { filter, predicted, mut pairs, fits } = attempt;
+        self.tracking = self.tracking.after(fits, self.settings.lost.scans);
+        if fits == Some(false) {
+            pairs.iter_mut().flatten().for_each(|pair| pair.innovation.accepted = false);
+        } else {
+            self.filter = filter;
+            self.path = self.path.map(|path| DrivenPath::starting_at(path.end()));
+        }
+        let (after, tracking) = (self.belief(), self.tracking);
+        LineUpdate { before, after, mounting, seen, predicted, pairs, tracking }
+    }
 }
 
-/// A step of the odometry with the variances along it, across it and of the heading.
-struct OdometryStep {
-    path: DrivenPath,
-    variances: Vector3<f64>,
-}
-
-impl MotionModel<3> for OdometryStep {
-    fn predict(&self, state: &Vector3<f64>) -> Vector3<f64> {
-        (Pose2::from_vector(state) * self.path.step()).to_vector()
-    }
-
-    fn linearize(&self, state: &Vector3<f64>) -> LinearizedMotion<3> {
-        let step = PathNoise::step(&self.path, Pose2::from_vector(state), &self.variances);
-        LinearizedMotion { state: step.pose.to_vector(), jacobian: step.by_pose, noise: step.noise }
-    }
+/// A correction that was tried.
+struct Attempt {
+    filter: ExtendedKalmanFilter<STATES>,
+    predicted: Vec<PredictedLine>,
+    pairs: Vec<Option<LinePair>>,
+    fits: Option<bool>,
 }

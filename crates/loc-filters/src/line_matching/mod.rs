@@ -3,7 +3,7 @@
 //! Indoors a scan is mostly straight walls. Each is two numbers that are known very well: its
 //! distance r from the scanner, and the direction alpha of its normal
 //! ([`loc_sensors::features`]). From where the robot believes to be, the map predicts which walls
-//! it should see, and where ([`predicted_lines`]). A line of the scan and a predicted one that lie
+//! it should see, and where ([`LineEkf::predicted`]). A line of the scan and a predicted one that lie
 //! beside each other, and are no farther apart than both are uncertain, are the same wall; each
 //! such pair pulls the pose into place. Lines without a partner, of things that the map does not
 //! know, are left alone (H3).
@@ -34,11 +34,13 @@ mod ekf;
 mod model;
 mod pairs;
 mod predicted;
+mod search;
 mod settings;
+mod state;
 mod update;
 
 pub use ekf::LineEkf;
 pub use model::LineModel;
-pub use predicted::{FieldOfView, PredictedLine, predicted_lines};
-pub use settings::{LineMatchingSettings, LostSettings};
+pub use predicted::{FieldOfView, PredictedLine};
+pub use settings::{LineMatchingSettings, LostSettings, SystematicErrors};
 pub use update::{LinePair, LineUpdate, Tracking};

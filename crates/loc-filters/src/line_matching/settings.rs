@@ -4,6 +4,7 @@ use crate::{Gate, Result};
 use loc_core::error::{non_negative, positive, probability};
 use loc_core::motion::PathNoise;
 use loc_sensors::features::LineExtractor;
+use nalgebra::Vector2;
 
 /// All that line matching can be told, with defaults that serve a small indoor robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,10 +13,12 @@ use loc_sensors::features::LineExtractor;
 pub struct LineMatchingSettings {
     /// How far odometry may be off.
     pub motion: PathNoise,
+    /// What odometry may get wrong all the time; the filter finds out.
+    pub systematic: SystematicErrors,
     /// How lines are found in scans, and what the scanner's noise is.
     pub extractor: LineExtractor,
     /// How far each end of a map line may be off across it, as a standard deviation \[m\]: 0 for
-    /// a drawing, about half a cell for lines that were found in a grid.
+    /// a drawing, about one cell for lines that were found in a grid.
     pub map_sigma: f64,
     /// Map lines that are shorter are not matched; they still hide others \[m\].
     pub min_map_length: f64,
@@ -28,6 +31,20 @@ pub struct LineMatchingSettings {
     pub slack: f64,
     /// When the robot counts as lost.
     pub lost: LostSettings,
+}
+
+/// Systematic errors of an odometry, as standard deviations about none; 0 for an error that it does
+/// not have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct SystematicErrors {
+    /// Drift of the heading, as of wheels that are not of one size \[rad/m\].
+    pub drift: f64,
+    /// Error of distances, as of wheels of another size \[-\].
+    pub scale: f64,
+    /// How much both change on a way of 1 m, as a share of the above.
+    pub wander: f64,
 }
 
 /// When line matching says that it has lost the robot.
@@ -44,12 +61,20 @@ pub struct LostSettings {
 }
 
 impl LineMatchingSettings {
-    /// Checks every value and computes the gate.
+    /// Checks every value.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first value that is not allowed.
+    /// [`loc_core::Error::OutOfRange`] naming the first one that is not allowed.
+    pub fn check(&self) -> Result<()> {
+        self.gate().map(|_| ())
+    }
+
+    /// Checks every value and computes the gate.
     pub(super) fn gate(&self) -> Result<Gate> {
         self.motion.validate()?;
+        non_negative("systematic drift of the heading [rad/m]", self.systematic.drift)?;
+        non_negative("systematic error of distances", self.systematic.scale)?;
+        non_negative("change of systematic errors on 1 m", self.systematic.wander)?;
         self.extractor.check()?;
         non_negative("sigma of the ends of map lines [m]", self.map_sigma)?;
         positive("least length of map lines [m]", self.min_map_length)?;
@@ -64,14 +89,30 @@ impl Default for LineMatchingSettings {
     fn default() -> Self {
         LineMatchingSettings {
             motion: PathNoise::default(),
-            extractor: LineExtractor::default(),
+            systematic: SystematicErrors::default(),
+            extractor: LineExtractor { min_points: 6, ..LineExtractor::default() },
             map_sigma: 0.0,
             min_map_length: 0.3,
-            gate_probability: 0.99,
+            gate_probability: 0.999,
             min_overlap: 0.5,
             slack: 0.3,
             lost: LostSettings::default(),
         }
+    }
+}
+
+impl SystematicErrors {
+    /// Variances that drift and scale gain on a way \[m\].
+    pub(super) fn wander(&self, length: f64) -> Vector2<f64> {
+        let change = |sigma: f64| (sigma * self.wander).powi(2) * length;
+        Vector2::new(change(self.drift), change(self.scale))
+    }
+}
+
+impl Default for SystematicErrors {
+    /// 2 degrees per metre and 3 %, of which a fiftieth may change on each metre.
+    fn default() -> Self {
+        SystematicErrors { drift: 2_f64.to_radians(), scale: 0.03, wander: 0.02 }
     }
 }
 

@@ -59,10 +59,7 @@ impl LineUpdate {
 
     /// The share of the scan's lines that have, by length; `None` without any lines.
     pub fn matched_share(&self) -> Option<f64> {
-        let total: f64 = self.seen.iter().map(Line::length).sum();
-        let accepted = |pair: &Option<LinePair>| pair.is_some_and(|pair| pair.innovation.accepted);
-        let matched = self.seen.iter().zip(&self.pairs).filter(|(_, pair)| accepted(pair));
-        (total > 0.0).then(|| matched.map(|(line, _)| line.length()).sum::<f64>() / total)
+        matched_share(&self.seen, &self.pairs)
     }
 
     /// The lines of the scan in the map, seen from the corrected pose, with their pairs.
@@ -80,6 +77,14 @@ impl LineUpdate {
         let stretches = self.predicted.iter().map(|predicted| predicted.stretch);
         stretches.map(move |stretch| in_map(scanner, stretch.start, stretch.end))
     }
+}
+
+/// The share of lines, by length, that have an accepted partner; `None` without any lines.
+pub(super) fn matched_share(seen: &[Line], pairs: &[Option<LinePair>]) -> Option<f64> {
+    let accepted = |pair: &Option<LinePair>| pair.is_some_and(|pair| pair.innovation.accepted);
+    let matched = seen.iter().zip(pairs).filter(|(_, pair)| accepted(pair));
+    let total: f64 = seen.iter().map(Line::length).sum();
+    (total > 0.0).then(|| matched.map(|(line, _)| line.length()).sum::<f64>() / total)
 }
 
 fn in_map(scanner: Pose2, start: Point2<f64>, end: Point2<f64>) -> LineSegment {
