@@ -18,6 +18,44 @@ pub enum Error {
         /// Its elements.
         found: String,
     },
+    /// There are more unknowns than distances.
+    #[error(
+        "lateration: expected at least {expected} distances, one for each unknown, got {found}"
+    )]
+    TooFewRanges {
+        /// The number of unknowns.
+        expected: usize,
+        /// The number of distances.
+        found: usize,
+    },
+    /// The landmarks leave open where the robot is, whatever the distances are.
+    #[error("lateration: expected {expected}, got {found}")]
+    Undetermined {
+        /// What would determine the place.
+        expected: &'static str,
+        /// What came instead.
+        found: String,
+    },
+    /// Newton's method does not come to rest.
+    #[error(
+        "Newton's method from {start}: expected circles that cross, and a start beside the \
+             line through their centres, got no root"
+    )]
+    NoRoot {
+        /// Where it started \[m\].
+        start: String,
+    },
+    /// Rounding, or numbers beyond all reason, have made a covariance negative. The filter must be
+    /// started anew.
+    #[error("{what}: lost its positivity at step {step}, got {found}")]
+    LostPositivity {
+        /// The part of the covariance.
+        what: &'static str,
+        /// The motion or correction that it happened at, counted from 1.
+        step: u64,
+        /// Its elements.
+        found: String,
+    },
     /// An input belongs to a time so far back that the filter has forgotten it.
     #[error(
         "{what} at {stamp} s: expected at most {horizon} s before {newest} s, the newest input"

@@ -1,12 +1,16 @@
 #![doc = include_str!("../README.md")]
 
+pub mod association;
 pub mod delayed;
 mod error;
 pub mod extended;
+pub mod histogram;
 pub mod innovation;
 pub mod kalman;
 pub mod landmark;
+pub mod lateration;
 pub mod line_matching;
+pub mod slam;
 
 pub use error::{Error, Result};
 pub use extended::{ExtendedKalmanFilter, MeasurementModel, MotionModel};

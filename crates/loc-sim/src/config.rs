@@ -73,6 +73,10 @@ fn set<'k>(place: &mut Value, keys: &[&'k str], value: Value) -> Result<(), &'k 
         *place = value;
         return Ok(());
     };
+    // A part that is switched off, `tempering = false`, is switched on by any of its keys.
+    if matches!(place, Value::Boolean(false)) {
+        *place = Value::Table(Table::new());
+    }
     let inner = match place {
         Value::Array(array) => key.parse::<usize>().ok().and_then(|index| array.get_mut(index)),
         Value::Table(table) if !key.is_empty() => {

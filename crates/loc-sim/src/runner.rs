@@ -2,7 +2,7 @@
 
 use crate::event::{Event, Measurement, Payload, Truth};
 use crate::localizer::{Localizer, Method, MethodSettings};
-use crate::record::{MethodRecord, Run, Snapshots};
+use crate::record::{LineMoments, MethodRecord, Run, Snapshots};
 use crate::source::{Setup, Source};
 use crate::{Error, Result};
 use loc_core::Stamped;
@@ -14,19 +14,63 @@ const PERIOD: f64 = 0.1;
 /// Rounding that a period of exactly [`PERIOD`] may have \[s\].
 const ROUNDING: f64 = 1e-6;
 
+/// Looks on while methods run: shows progress, keeps a film, writes a recording.
+pub trait Watcher {
+    /// The share of the run that is done, in \[0, 1\], after every estimate.
+    fn progress(&mut self, share: f64);
+
+    /// An event, before any method takes it in.
+    ///
+    /// # Errors
+    /// Whatever ends the run.
+    fn event(&mut self, _event: &Event) -> Result<()> {
+        Ok(())
+    }
+
+    /// The methods after they were asked for their estimate of a time \[s\].
+    ///
+    /// # Errors
+    /// Whatever ends the run.
+    fn estimated(&mut self, _stamp: f64, _methods: &[&dyn Localizer]) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// A watcher that shows progress alone.
+pub(crate) struct Told<'a>(pub(crate) &'a mut dyn FnMut(f64));
+
+impl Watcher for Told<'_> {
+    fn progress(&mut self, share: f64) {
+        (self.0)(share);
+    }
+}
+
 /// Runs methods over a source to its end. `progress` is told the share that is done, in \[0, 1\],
 /// at every estimate.
+///
+/// # Errors
+/// As [`run_watched`].
+pub fn run(
+    source: &mut dyn Source,
+    methods: &[Method],
+    settings: &MethodSettings,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Run> {
+    run_watched(source, methods, settings, &mut Told(progress))
+}
+
+/// Runs methods over a source to its end, with somebody looking on.
 ///
 /// Estimates are asked for at every true pose or, from a source without any, after every scan.
 ///
 /// # Errors
 /// What the source or a method reports; [`Error::NoTruth`] where true poses were promised and
 /// none came, or where there was no scan either.
-pub fn run(
+pub fn run_watched(
     source: &mut dyn Source,
     methods: &[Method],
     settings: &MethodSettings,
-    progress: &mut dyn FnMut(f64),
+    watcher: &mut dyn Watcher,
 ) -> Result<Run> {
     let setup = source.setup().clone();
     let mut runners = Vec::with_capacity(methods.len());
@@ -36,6 +80,7 @@ pub fn run(
     let samples_at = if source.has_truth() { is_truth } else { is_scan };
     let (mut stamps, mut truth): (Vec<f64>, Vec<Stamped<Truth>>) = Default::default();
     while let Some(event) = source.next_event()? {
+        watcher.event(&event)?;
         runners.iter_mut().try_for_each(|runner| runner.take(&event))?;
         let due = stamps.last().map_or(setup.start, |last| last + PERIOD);
         if !samples_at(&event) || event.stamp < due - ROUNDING {
@@ -46,15 +91,17 @@ pub fn run(
         }
         stamps.push(event.stamp);
         runners.iter_mut().try_for_each(|runner| runner.estimate(event.stamp))?;
-        progress(share(setup.start, setup.end, event.stamp));
+        let localizers: Vec<_> = runners.iter().map(|runner| runner.localizer.as_ref()).collect();
+        watcher.estimated(event.stamp, &localizers)?;
+        watcher.progress(share(setup.start, setup.end, event.stamp));
     }
-    progress(1.0);
+    watcher.progress(1.0);
     if stamps.is_empty() {
         return Err(Error::NoTruth { source_name: setup.name });
     }
     let notes = source.notes();
     let methods = runners.into_iter().map(|runner| runner.record).collect();
-    Ok(Run { setup, settings: settings.clone(), stamps, truth, methods, notes })
+    Ok(Run { setup, settings: settings.clone(), stamps, truth, methods, notes, film: None })
 }
 
 fn is_truth(event: &Event) -> bool {
@@ -79,6 +126,7 @@ impl Runner {
             estimates: Vec::new(),
             judgements: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),
+            lines: LineMoments::new(setup.start, setup.end),
             updates: 0,
             runtime: 0.0,
         };
@@ -110,6 +158,9 @@ impl Runner {
         self.record.runtime += started.elapsed().as_secs_f64();
         if matches!(event.payload, Payload::Measurement(_)) {
             self.keep_cloud(stamp);
+        }
+        if let Some(update) = self.localizer.lines().filter(|_| is_scan(event)) {
+            self.record.lines.offer(stamp, update);
         }
         Ok(())
     }

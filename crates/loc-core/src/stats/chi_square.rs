@@ -1,7 +1,7 @@
 //! The chi-square distribution: how large the squared errors of an honest estimator are.
 
 use crate::error::{in_range, non_negative};
-use crate::{Error, Result};
+use crate::{Error, Normal, Result};
 use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF};
 use std::ops::RangeInclusive;
 
@@ -53,6 +53,19 @@ pub fn chi_square_band(dof: usize, runs: usize, confidence: f64) -> Result<Range
     let sum = chi_square_interval(dof.saturating_mul(runs), confidence)?;
     let runs = runs as f64;
     Ok(sum.start() / runs..=sum.end() / runs)
+}
+
+/// Where the mean per degree of freedom of values with `freedom` degrees together lies with
+/// probability `confidence`. Beyond [`MOST_FREEDOM`] the normal distribution takes over, from which
+/// it cannot be told there. `None` without any.
+pub(super) fn mean_band(freedom: u64, confidence: f64) -> Option<RangeInclusive<f64>> {
+    let count = usize::try_from(freedom).ok().filter(|count| *count > 0)?;
+    if count <= MOST_FREEDOM {
+        return chi_square_band(1, count, confidence).ok();
+    }
+    let z = Normal::STANDARD.quantile(0.5 + 0.5 * check_confidence(confidence).ok()?).ok()?;
+    let reach = z * (2.0 / freedom as f64).sqrt();
+    Some(1.0 - reach..=1.0 + reach)
 }
 
 /// Checks that a confidence is in \[0, 1).

@@ -4,7 +4,7 @@
 //! one at a time and knows their mean and spread; [`median`] and [`quantile`] describe them without
 //! being misled by a few outliers. An estimator also claims how large its error should be, its
 //! covariance: [`nees`] sets the one against the other, and [`chi_square_band`] says which values
-//! of that ratio chance explains.
+//! of that ratio chance explains; [`consistency`] has the tests over many runs.
 //!
 //! ```
 //! use loc_core::stats::{self, RunningMoments};
@@ -19,8 +19,9 @@
 //! ```
 
 mod chi_square;
-mod consistency;
+pub mod consistency;
 mod covariance;
+mod interval;
 mod moments;
 mod order;
 
@@ -28,5 +29,6 @@ pub use chi_square::{chi_square_band, chi_square_cdf, chi_square_interval, chi_s
 pub use consistency::{autocorrelation, nees, whiteness_bound};
 pub(crate) use covariance::normalized;
 pub use covariance::{correlation, covariance, covariance_matrix, sample_gaussian};
+pub use interval::{mean_interval, wilson_interval};
 pub use moments::RunningMoments;
 pub use order::{median, quantile, rms};

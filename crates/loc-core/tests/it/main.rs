@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
 mod angle;
+mod consistency;
 mod driven;
 mod finite_difference;
 mod gaussian;

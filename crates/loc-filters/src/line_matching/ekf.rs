@@ -1,18 +1,22 @@
 //! The filter: odometry, then the lines of a scan (H4).
 
-use super::pairs::Pairs;
+use super::lines::{Lines, WithBelief};
 use super::predicted::predicted_lines;
-use super::search::most_likely;
+use super::search::{Pair, in_order, most_likely};
 use super::state::{OdometryStep, OfPose, STATES, pose_of, set_pose, with_odometry};
 use super::update::matched_share;
-use super::{FieldOfView, LineMatchingSettings, LinePair, LineUpdate, PredictedLine, Tracking};
+use super::{
+    FieldOfView, LineMatchingSettings, LinePair, LinePairing, LineUpdate, PredictedLine, Tracking,
+};
+use crate::association::{AssociationSettings, Associator};
 use crate::{ExtendedKalmanFilter, Gate, Result};
+use loc_core::gaussian::{check_covariance, cholesky};
 use loc_core::motion::{DrivenPath, PathNoise};
 use loc_core::{Gaussian, Pose2};
 use loc_maps::LineMap;
 use loc_sensors::features::Line;
 use loc_sensors::laser::LaserScan;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Vector2, Vector3, Vector6};
 use std::sync::Arc;
 
 /// Extended Kalman filter over (x, y, theta) \[m, m, rad\] with the walls of a line map.
@@ -144,12 +148,16 @@ impl LineEkf {
         mounting: Pose2,
     ) -> Result<LineUpdate> {
         crate::innovation::finite("mounting of the laser", &mounting.to_vector())?;
+        seen.iter().try_for_each(check)?;
         let motion = &self.settings.motion;
         let least = [motion.least_position, motion.least_position, motion.least_heading];
         let mut attempt = self.attempt(&seen, view, mounting, least.into())?;
         if attempt.fits == Some(false) && motion.fault_probability > 0.0 {
-            // Perhaps odometry has failed since a scan fitted.
-            let fault = self.path.map_or(Vector3::zeros(), |path| PathNoise::fault_sigmas(&path));
+            // Perhaps odometry has failed since a scan fitted, or was off as it rarely is.
+            let rarely = |path| {
+                3.0 * motion.variances(&path).map(f64::sqrt) + PathNoise::fault_sigmas(&path)
+            };
+            let fault = self.path.map_or(Vector3::zeros(), rarely);
             let wide = self.attempt(&seen, view, mounting, fault)?;
             attempt = if wide.fits == Some(true) { wide } else { attempt };
         }
@@ -174,17 +182,28 @@ impl LineEkf {
         let predicted = self.predicted_by(&belief, view, mounting)?;
         let scanner = (belief.pose() * mounting, mounting);
         let overlap = (self.settings.min_overlap, self.settings.slack);
-        let lines = Pairs::new(&self.map, scanner, seen, &predicted, overlap);
+        let lines = Lines::new(&self.map, scanner, seen, &predicted, overlap);
         let mut pairs = vec![None; seen.len()];
-        for (index, partner) in most_likely(&lines, &belief, &self.gate)?.iter().enumerate() {
-            let Some(partner) = *partner else { continue };
-            let model = OfPose(lines.model(index, partner));
-            let z = lines.measurement(index);
-            let innovation = filter.correct(&model, &z, &self.gate)?;
-            pairs[index] = Some(LinePair { predicted: partner, innovation });
+        for (line, predicted) in self.pairs(&lines, &belief)? {
+            let model = OfPose(lines.model(line, predicted));
+            let innovation = filter.correct(&model, &lines.measurement(line), &Gate::OPEN)?;
+            pairs[line] = Some(LinePair { predicted, innovation });
         }
         let fits = self.fits(seen, &pairs);
         Ok(Attempt { filter, predicted, pairs, fits })
+    }
+
+    /// Which line of the scan is which predicted one, in the order to correct with.
+    fn pairs(&self, lines: &Lines<'_>, belief: &Gaussian<3>) -> Result<Vec<Pair>> {
+        let LinePairing::Rule(rule) = self.settings.pairing else {
+            return most_likely(lines, belief, &self.gate);
+        };
+        let gate_probability = self.settings.gate_probability;
+        let settings = AssociationSettings { rule, gate_probability, ..Default::default() };
+        let found = Associator::new(settings)?.associate(&WithBelief { lines, belief })?;
+        let partners = found.partners.into_iter().enumerate();
+        let pairs: Vec<Pair> = partners.filter_map(|(line, other)| Some((line, other?))).collect();
+        in_order(lines, belief, &self.gate, &pairs)
     }
 
     /// Whether a scan fits; `None` where it has too few lines to tell.
@@ -208,6 +227,16 @@ impl LineEkf {
         let (after, tracking) = (self.belief(), self.tracking);
         LineUpdate { before, after, mounting, seen, predicted, pairs, tracking }
     }
+}
+
+/// Refuses lines that no scan has.
+fn check(line: &Line) -> Result<()> {
+    let Line { start, end, .. } = line;
+    let numbers = Vector6::new(line.r, line.alpha, start.x, start.y, end.x, end.y);
+    crate::innovation::finite("line of a scan (r, alpha, start, end)", &numbers)?;
+    check_covariance("covariance of a line of a scan", &line.covariance)?;
+    cholesky("covariance of a line of a scan", &line.covariance)?;
+    Ok(())
 }
 
 /// A correction that was tried.

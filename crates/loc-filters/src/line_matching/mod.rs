@@ -31,8 +31,8 @@
 //! ```
 
 mod ekf;
+mod lines;
 mod model;
-mod pairs;
 mod predicted;
 mod search;
 mod settings;
@@ -42,5 +42,5 @@ mod update;
 pub use ekf::LineEkf;
 pub use model::LineModel;
 pub use predicted::{FieldOfView, PredictedLine};
-pub use settings::{LineMatchingSettings, LostSettings, SystematicErrors};
+pub use settings::{LineMatchingSettings, LinePairing, LostSettings, SystematicErrors};
 pub use update::{LinePair, LineUpdate, Tracking};

@@ -2,6 +2,7 @@
 
 use super::LineMatchingSettings;
 use crate::Result;
+use loc_core::error::{finite, positive};
 use loc_core::{Gaussian, Pose2};
 use loc_maps::line::NormalForm;
 use loc_maps::{LineMap, LineSegment};
@@ -38,6 +39,13 @@ pub struct PredictedLine {
 }
 
 impl FieldOfView {
+    /// Checks that something can be seen.
+    fn check(&self) -> Result<()> {
+        finite("middle of a field of view [rad]", self.middle)?;
+        positive("angle of a field of view [rad]", self.angle)?;
+        Ok(())
+    }
+
     /// That of the scanner that made a scan.
     pub fn of(scan: &LaserScan) -> Self {
         let (first, last) = (scan.angle_min, scan.angle_max);
@@ -64,6 +72,7 @@ pub(super) fn predicted_lines(
     view: FieldOfView,
     settings: &LineMatchingSettings,
 ) -> Result<Vec<PredictedLine>> {
+    view.check()?;
     let mut parts: BTreeMap<usize, Vec<[f64; 2]>> = BTreeMap::new();
     // Where the heading is off, the view reaches farther on one side.
     let angle = view.angle + 4.0 * belief.covariance.m33.max(0.0).sqrt();

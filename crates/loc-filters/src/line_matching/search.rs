@@ -7,7 +7,7 @@
 //! by the pair that is most likely next; it is grown from each pair that competes with the best
 //! set so far.
 
-use super::pairs::Pairs;
+use super::lines::Lines;
 use crate::extended::MeasurementModel;
 use crate::innovation::Innovation;
 use crate::kalman::update;
@@ -17,91 +17,107 @@ use loc_core::{Gaussian, angle};
 /// Things that the map does not know are seen anywhere up to this distance \[m\].
 const CLUTTER_RANGE: f64 = 10.0;
 
-/// For each line of the scan its partner, with the logarithm of their likelihood, relative to that
-/// of seeing nothing known.
-#[derive(Debug, Clone)]
-pub(super) struct PairSet {
-    pub(super) partners: Vec<Option<usize>>,
+/// A pair that is possible: line of the scan, predicted line.
+pub(super) type Pair = (usize, usize);
+
+/// Pairs in the order in which the set grew, each line of the scan at most once, with the
+/// logarithm of their likelihood over that of seeing nothing known.
+#[derive(Debug, Clone, Default)]
+struct PairSet {
+    pairs: Vec<Pair>,
     score: f64,
 }
 
-/// A pair that is possible: line of the scan, predicted line.
-type Pair = (usize, usize);
-
 /// The most likely set of pairs.
 pub(super) fn most_likely(
-    pairs: &Pairs<'_>,
+    lines: &Lines<'_>,
     belief: &Gaussian<3>,
     gate: &Gate,
-) -> Result<Vec<Option<usize>>> {
-    let candidates = candidates(pairs, belief, gate)?;
-    let mut best = PairSet { partners: vec![None; pairs.seen.len()], score: 0.0 };
-    let mut waiting: Vec<Pair> = Vec::new();
-    let Some(first) = candidates.first() else { return Ok(best.partners) };
-    waiting.push(first.0);
-    let mut tried = Vec::new();
-    while let Some(seed) = waiting.pop() {
+) -> Result<Vec<Pair>> {
+    let candidates = candidates(lines, belief, gate)?;
+    let mut best = PairSet::default();
+    let mut tried: Vec<Pair> = Vec::new();
+    let untried = |best: &PairSet, tried: &[Pair]| {
+        let open = |pair: &&Pair| !best.pairs.contains(pair) && !tried.contains(pair);
+        candidates.iter().find(open).copied()
+    };
+    while let Some(seed) = untried(&best, &tried) {
         tried.push(seed);
-        let grown = grow(pairs, belief, gate, &candidates, seed)?;
+        let grown = grow(lines, belief, gate, &candidates, seed)?;
         if grown.score > best.score {
             best = grown;
         }
-        if waiting.is_empty() {
-            let open = |pair: &Pair| best.partners[pair.0] != Some(pair.1) && !tried.contains(pair);
-            waiting.extend(candidates.iter().map(|c| c.0).filter(open).take(1));
-        }
     }
-    Ok(best.partners)
+    Ok(best.pairs)
+}
+
+/// Pairs that somebody else has found, in the order in which a set of them grows, without those
+/// that do not fit it.
+pub(super) fn in_order(
+    lines: &Lines<'_>,
+    belief: &Gaussian<3>,
+    gate: &Gate,
+    pairs: &[Pair],
+) -> Result<Vec<Pair>> {
+    let mut gains = Vec::new();
+    for &pair in pairs {
+        gains.extend(gain(lines, belief, gate, pair)?.map(|gain| (pair, gain)));
+    }
+    let seed = gains.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let grown = seed.map(|(seed, _)| grow(lines, belief, gate, pairs, *seed)).transpose()?;
+    Ok(grown.unwrap_or_default().pairs)
 }
 
 /// All pairs within the gate, most likely first.
-fn candidates(pairs: &Pairs<'_>, belief: &Gaussian<3>, gate: &Gate) -> Result<Vec<(Pair, f64)>> {
-    let mut candidates = Vec::new();
-    for seen in 0..pairs.seen.len() {
-        for predicted in 0..pairs.predicted.len() {
-            if let Some(gain) = gain(pairs, belief, gate, (seen, predicted))? {
+fn candidates(lines: &Lines<'_>, belief: &Gaussian<3>, gate: &Gate) -> Result<Vec<Pair>> {
+    let mut candidates: Vec<(Pair, f64)> = Vec::new();
+    for seen in 0..lines.seen.len() {
+        for predicted in 0..lines.predicted.len() {
+            if let Some(gain) = gain(lines, belief, gate, (seen, predicted))? {
                 candidates.push(((seen, predicted), gain));
             }
         }
     }
     candidates.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    Ok(candidates)
+    Ok(candidates.into_iter().map(|(pair, _)| pair).collect())
 }
 
 /// Log-likelihood of a pair over that of something unknown; `None` for a pair that is out of the
 /// question.
 fn gain(
-    pairs: &Pairs<'_>,
+    lines: &Lines<'_>,
     belief: &Gaussian<3>,
     gate: &Gate,
     (seen, predicted): Pair,
 ) -> Result<Option<f64>> {
-    let (residual, covariance) = pairs.innovation(belief, seen, predicted);
+    let (residual, covariance) = lines.innovation(belief, seen, predicted);
     let (innovation, _) = Innovation::new(residual, covariance, gate)?;
     let clutter = (CLUTTER_RANGE * std::f64::consts::TAU).ln();
     let gain = innovation.log_likelihood() + clutter;
-    let fits = innovation.accepted && pairs.overlap(belief, seen, predicted);
+    let fits = innovation.accepted && lines.overlap(belief, seen, predicted);
     Ok((fits && gain > 0.0).then_some(gain))
 }
 
 /// A set that grows from a pair.
 fn grow(
-    pairs: &Pairs<'_>,
+    lines: &Lines<'_>,
     start: &Gaussian<3>,
     gate: &Gate,
-    candidates: &[(Pair, f64)],
+    candidates: &[Pair],
     seed: Pair,
 ) -> Result<PairSet> {
     let mut belief = *start;
-    let mut set = PairSet { partners: vec![None; pairs.seen.len()], score: 0.0 };
-    let mut next = gain(pairs, &belief, gate, seed)?.map(|gain| (seed, gain));
-    while let Some(((seen, predicted), gained)) = next {
-        correct(pairs, &mut belief, (seen, predicted))?;
-        set.partners[seen] = Some(predicted);
+    let mut set = PairSet::default();
+    let mut left: Vec<Pair> = candidates.to_vec();
+    let mut next = gain(lines, &belief, gate, seed)?.map(|gain| (seed, gain));
+    while let Some((pair, gained)) = next {
+        correct(lines, &mut belief, pair)?;
+        set.pairs.push(pair);
         set.score += gained;
+        left.retain(|other| other.0 != pair.0);
         next = None;
-        for &(pair, _) in candidates.iter().filter(|c| set.partners[c.0.0].is_none()) {
-            let gained = gain(pairs, &belief, gate, pair)?;
+        for &pair in &left {
+            let gained = gain(lines, &belief, gate, pair)?;
             if let Some(gained) = gained
                 && next.is_none_or(|(_, most)| gained > most)
             {
@@ -112,10 +128,10 @@ fn grow(
     Ok(set)
 }
 
-fn correct(pairs: &Pairs<'_>, belief: &mut Gaussian<3>, (seen, predicted): Pair) -> Result<()> {
-    let model = pairs.model(seen, predicted);
+fn correct(lines: &Lines<'_>, belief: &mut Gaussian<3>, (seen, predicted): Pair) -> Result<()> {
+    let model = lines.model(seen, predicted);
     let (expected, h) = model.linearize(&belief.mean);
-    let residual = model.residual(&pairs.measurement(seen), &expected);
+    let residual = model.residual(&lines.measurement(seen), &expected);
     update::correct(belief, residual, &h, &model.noise(&expected), &Gate::OPEN)?;
     belief.mean.z = angle::wrap(belief.mean.z);
     Ok(())

@@ -1,5 +1,6 @@
 //! The settings of line matching.
 
+use crate::association::Rule;
 use crate::{Gate, Result};
 use loc_core::error::{non_negative, positive, probability};
 use loc_core::motion::PathNoise;
@@ -22,6 +23,8 @@ pub struct LineMatchingSettings {
     pub map_sigma: f64,
     /// Map lines that are shorter are not matched; they still hide others \[m\].
     pub min_map_length: f64,
+    /// How pairs are found.
+    pub pairing: LinePairing,
     /// Share of right pairs of lines that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
     /// The share of the shorter of two lines that must lie beside the other one.
@@ -31,6 +34,18 @@ pub struct LineMatchingSettings {
     pub slack: f64,
     /// When the robot counts as lost.
     pub lost: LostSettings,
+}
+
+/// How the lines of a scan are paired with those of the map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum LinePairing {
+    /// The set of pairs that is most likely as a whole, things that the map does not know included.
+    #[default]
+    MostLikelySet,
+    /// By a rule of [`association`](crate::association), each predicted stretch at most once.
+    Rule(Rule),
 }
 
 /// Systematic errors of an odometry, as standard deviations about none; 0 for an error that it does
@@ -93,6 +108,7 @@ impl Default for LineMatchingSettings {
             extractor: LineExtractor { min_points: 6, ..LineExtractor::default() },
             map_sigma: 0.0,
             min_map_length: 0.3,
+            pairing: LinePairing::default(),
             gate_probability: 0.999,
             min_overlap: 0.5,
             slack: 0.3,

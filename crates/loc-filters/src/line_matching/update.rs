@@ -46,8 +46,8 @@ pub struct LineUpdate {
 pub struct LinePair {
     /// Index among the predicted lines.
     pub predicted: usize,
-    /// Residual of (r, alpha) and its covariance, of the belief that the pairs before have left;
-    /// one that is not accepted has changed nothing.
+    /// Residual of (r, alpha) and its covariance, as the belief that earlier pairs had left has
+    /// them. It is accepted unless the whole scan was turned away.
     pub innovation: Innovation<2>,
 }
 

@@ -27,6 +27,8 @@
 mod belief;
 mod field;
 mod observation;
+#[cfg(feature = "serde")]
+mod optional;
 mod recover;
 mod settings;
 mod start;

@@ -13,6 +13,9 @@ use loc_core::motion::OdometryNoise;
 use loc_maps::likelihood_field::LikelihoodFieldSettings;
 
 /// Settings of [`Mcl`](crate::Mcl).
+///
+/// In a file, the parts that may be missing (`novelty`, `tempering`, `recovery.suspicion`,
+/// `recovery.augmented`, `beam_skip`) are tables, or `false` for none and `true` for their defaults.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -33,8 +36,10 @@ pub struct MclSettings {
     /// Beams longer than this are not used by the likelihood field \[m\] (`laser_max_range`).
     pub max_range: f64,
     /// Drops beams that people or new furniture cut short (K3); `None` for none.
+    #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
     pub novelty: Option<NoveltyFilter>,
     /// How narrow likelihoods are taken in; `None` for the plain filter, which weighs once.
+    #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
     pub tempering: Option<TemperingSettings>,
     /// No update before the robot has driven this far \[m\] (`update_min_d`) ..
     pub update_distance: f64,
@@ -101,6 +106,7 @@ pub struct FieldSettings {
     /// How the beams of a scan are taken together.
     pub weighting: Weighting,
     /// Leaves out beams that end on what is on no map.
+    #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
     pub beam_skip: Option<BeamSkip>,
 }
 
@@ -125,9 +131,18 @@ pub struct RecoverySettings {
     /// such a start spreads particles evenly.
     pub search: bool,
     /// When to suspect that the robot is elsewhere; `None` for never.
+    #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
     pub suspicion: Option<SuspicionSettings>,
     /// Random particles by running averages of the evidence; `None` for none.
+    #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
     pub augmented: Option<AugmentedSettings>,
+}
+
+impl Default for NoveltyFilter {
+    /// The distance filter, which suits lasers.
+    fn default() -> Self {
+        NoveltyFilter::Distance(DistanceFilter::default())
+    }
 }
 
 impl MotionSettings {

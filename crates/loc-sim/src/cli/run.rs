@@ -3,6 +3,7 @@
 use super::Global;
 use super::progress::Progress;
 use super::show::{Finished, OutputArgs, show, show_illustration};
+use crate::record::Filming;
 use crate::scenario::{Scenario, builtin};
 use std::path::Path;
 
@@ -54,11 +55,11 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     }
     let methods = &args.output.methods;
     let mut progress = Progress::new(&scenario.name, global);
-    let run = scenario.run(
-        Some(seed),
-        (!methods.is_empty()).then_some(methods.as_slice()),
-        &mut |share| progress.tell(share),
-    )?;
+    let methods = (!methods.is_empty()).then_some(methods.as_slice());
+    let mut tell = |share| progress.tell(share);
+    let mut filming = Filming::new(&mut tell);
+    let mut run = scenario.run_watched(Some(seed), methods, &mut filming)?;
+    run.film = Some(filming.film);
     progress.finish();
     let finished = Finished {
         run: &run,

@@ -2,8 +2,10 @@
 //!
 //! The lectures explain the particle filter with pictures of its parts: five stages in a corridor
 //! with doors ([`mcl_1d`], M2), and what resampling does to a robot that stands still
-//! ([`diversity`], M11). A scenario asks for one of them by `[demonstration] kind = ".."`; the
-//! filter in it is that of `loc-pf`, nothing is made up for the picture.
+//! ([`diversity`], M11). The Bayes filter without particles is shown by a mailbox with a flag
+//! ([`mailbox`], F5) and by another corridor with doors ([`door_corridor`], K1). A scenario asks
+//! for one of them by `[demonstration] kind = ".."`; the filters in them are those of `loc-pf` and
+//! `loc-filters`, nothing is made up for the picture.
 //!
 //! ```
 //! use loc_sim::scenario::Scenario;
@@ -14,13 +16,18 @@
 //! ```
 
 pub mod diversity;
+pub mod door_corridor;
+pub mod mailbox;
 pub mod mcl_1d;
 
 pub use diversity::{Diversity, DiversityConfig};
+pub use door_corridor::{DoorCorridor, DoorCorridorConfig};
+pub use mailbox::{MailboxConfig, MailboxDiagnosis};
 pub use mcl_1d::{Mcl1d, Mcl1dConfig};
 
 use crate::Result;
 use crate::output::Illustration;
+use crate::output::svg::{Chart, Role};
 use serde::Deserialize;
 
 /// A demonstration and its numbers.
@@ -32,6 +39,10 @@ pub enum DemonstrationConfig {
     Mcl1d(Mcl1dConfig),
     /// How many ancestors survive resampling (M11).
     Diversity(DiversityConfig),
+    /// A mailbox and its flag (F5).
+    Mailbox(MailboxConfig),
+    /// Markov localization in one dimension (K1).
+    DoorCorridor(DoorCorridorConfig),
 }
 
 impl DemonstrationConfig {
@@ -43,6 +54,8 @@ impl DemonstrationConfig {
         match self {
             DemonstrationConfig::Mcl1d(config) => config.check(),
             DemonstrationConfig::Diversity(config) => config.check(),
+            DemonstrationConfig::Mailbox(config) => config.check(),
+            DemonstrationConfig::DoorCorridor(config) => config.check(),
         }
     }
 
@@ -55,6 +68,12 @@ impl DemonstrationConfig {
             DemonstrationConfig::Mcl1d(config) => Mcl1d::new(config, seed)?.illustrate(title),
             DemonstrationConfig::Diversity(config) => {
                 Diversity::new(config, seed)?.illustrate(title)
+            }
+            DemonstrationConfig::Mailbox(config) => {
+                MailboxDiagnosis::new(config)?.illustrate(title)
+            }
+            DemonstrationConfig::DoorCorridor(config) => {
+                DoorCorridor::new(config, seed)?.illustrate(title)
             }
         })
     }
@@ -69,4 +88,25 @@ fn count(key: &str, found: usize, most: usize) -> Result<()> {
         return Ok(());
     }
     Err(crate::config::field(key, &format!("1 to {most}"), &found.to_string()))
+}
+
+/// Adds bars to a chart, filled and with an edge, of pairs (middle, height).
+fn bars(
+    chart: Chart,
+    role: Role,
+    label: &str,
+    width: f64,
+    bars: impl Iterator<Item = (f64, f64)> + Clone,
+) -> Chart {
+    let sides = move |x: f64| [x - 0.5 * width, x + 0.5 * width];
+    let gap = f64::NAN;
+    let filled = bars.clone().flat_map(move |(x, height)| {
+        let [left, right] = sides(x);
+        [(left, 0.0, height), (right, 0.0, height), (gap, gap, gap)]
+    });
+    let edges = bars.flat_map(move |(x, height)| {
+        let [left, right] = sides(x);
+        [(left, 0.0), (left, height), (right, height), (right, 0.0), (gap, gap)]
+    });
+    chart.band(role, label, filled).line(role.width(0.8), "", edges)
 }

@@ -71,6 +71,10 @@ impl Localizer for SightMcl {
         Ok(self.mcl.estimate(stamp)?.into())
     }
 
+    fn particle_count(&self) -> usize {
+        self.mcl.particles().len()
+    }
+
     fn cloud(&self) -> Option<Cloud> {
         let cloud = Cloud::of(self.mcl.particles());
         Some(match self.mcl.weighed() {

@@ -1,6 +1,6 @@
 //! `mcl`: Monte Carlo localization with a laser in an occupancy grid (M).
 
-use super::{Cloud, Estimate, Judgement, Localizer, MethodSettings};
+use super::{Cloud, Estimate, Hypothesis, Judgement, Localizer, MethodSettings};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
@@ -52,6 +52,15 @@ impl Localizer for ScanMcl {
 
     fn estimate(&self, _stamp: f64) -> Result<Estimate> {
         Ok(self.mcl.belief().into())
+    }
+
+    fn particle_count(&self) -> usize {
+        self.mcl.particles().len()
+    }
+
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        let clusters = self.mcl.estimate().clusters.iter();
+        clusters.map(|c| Hypothesis { share: c.share, belief: c.belief }).collect()
     }
 
     fn cloud(&self) -> Option<Cloud> {

@@ -45,6 +45,16 @@ pub trait Localizer {
     /// What the filter refuses.
     fn estimate(&self, stamp: f64) -> Result<Estimate>;
 
+    /// How many particles it has; 0 for a method without any.
+    fn particle_count(&self) -> usize {
+        0
+    }
+
+    /// The poses that it holds possible, the likeliest first; none for a method that knows but one.
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        Vec::new()
+    }
+
     /// The particles of a method that has any, for figures: thinned to at most
     /// [`Cloud::MOST`](cloud::Cloud::MOST).
     fn cloud(&self) -> Option<Cloud> {
@@ -55,6 +65,15 @@ pub trait Localizer {
     fn lines(&self) -> Option<&LineUpdate> {
         None
     }
+}
+
+/// A pose that a method holds possible.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hypothesis {
+    /// Its probability.
+    pub share: f64,
+    /// The pose in the map, over (x, y, theta) \[m, m, rad\].
+    pub belief: Gaussian<3>,
 }
 
 /// Where a method believes the robot to be.

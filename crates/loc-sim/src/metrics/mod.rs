@@ -31,7 +31,7 @@
 pub mod align;
 pub mod ape;
 pub mod associate;
-mod consistency;
+pub mod consistency;
 mod convergence;
 mod evaluation;
 mod planar;
@@ -43,7 +43,7 @@ mod summary;
 
 pub use align::{Alignment, aligned};
 pub use associate::{Pair, associate};
-pub use consistency::pose_nees;
+pub use consistency::{Consistency, ConsistencyFigures, RunEvidence, pose_nees};
 pub use convergence::{Found, found};
 pub use evaluation::{EvalSettings, Evaluation, evaluate};
 pub use planar::{PlanarErrors, planar_errors};

@@ -26,7 +26,7 @@ impl Illustration {
         folder.add("summary.json", super::pretty(&self.summary)?);
         folder.add(
             "report.html",
-            report::page(&self.lines.join("\n"), title, command, &self.figures),
+            report::plain(&self.lines.join("\n"), title, command, &self.figures),
         );
         for figure in &self.figures {
             folder.add(figure.file, figure.svg.clone());

@@ -23,7 +23,7 @@ mod trajectories;
 pub use backdrop::backdrop;
 pub use folder::Folder;
 pub use illustration::Illustration;
-pub use report::report;
+pub use report::Report;
 pub use table::{final_beliefs, table};
 
 use crate::Result;
@@ -39,7 +39,8 @@ pub fn files(run: &Run, summary: &Summary, title: &str, command: &str) -> Result
     folder.add("summary.json", pretty(summary)?);
     trajectories::add(&mut folder, run)?;
     let figures = figures::all(run, title);
-    folder.add("report.html", report(summary, title, command, &figures));
+    let report = Report { run, summary, title, command };
+    folder.add("report.html", report.html(&figures));
     for figure in figures {
         folder.add(figure.file, figure.svg);
     }

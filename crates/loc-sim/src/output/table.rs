@@ -4,7 +4,7 @@ use crate::metrics::{MethodSummary, PlanarErrors, Summary};
 use crate::record::Run;
 use loc_core::frames::Kurt2Pose;
 
-const COLUMNS: [&str; 7] =
+pub(super) const COLUMNS: [&str; 7] =
     ["ATE [m]", "max [m]", "end [m]", "head [deg]", "NEES", "used", "rejected"];
 
 /// The methods with their errors, at most 80 columns wide, without a line break at its end.
@@ -23,12 +23,13 @@ pub fn table(summary: &Summary) -> String {
     lines.join("\n")
 }
 
-fn row(name: &str, method: &MethodSummary) -> String {
+/// The figures of a method, one for each column.
+pub(super) fn cells(method: &MethodSummary) -> [String; COLUMNS.len()] {
     let errors = method.errors.as_ref();
     let cell = |digits: usize, figure: fn(&PlanarErrors) -> f64| {
         errors.map_or("-".into(), |errors| format!("{:.digits$}", figure(errors)))
     };
-    let cells = [
+    [
         cell(3, |errors| errors.ate_rmse_m),
         cell(3, |errors| errors.ate_max_m),
         cell(3, |errors| errors.final_error_m),
@@ -40,8 +41,11 @@ fn row(name: &str, method: &MethodSummary) -> String {
         }),
         method.measurements_used.to_string(),
         method.measurements_rejected.to_string(),
-    ];
-    let cells = COLUMNS.iter().zip(cells);
+    ]
+}
+
+fn row(name: &str, method: &MethodSummary) -> String {
+    let cells = COLUMNS.iter().zip(cells(method));
     let cells: String =
         cells.map(|(name, cell)| format!("{cell:>width$}", width = width(name))).collect();
     format!("{name:<15}{cells}")

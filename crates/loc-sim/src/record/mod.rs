@@ -6,8 +6,12 @@ use crate::localizer::{Estimate, Judgement, Method, MethodSettings};
 use crate::source::Setup;
 use loc_core::Stamped;
 
+mod film;
+mod moments;
 mod snapshots;
 
+pub use film::{Film, Filming, Frame, Inside};
+pub use moments::LineMoments;
 pub use snapshots::Snapshots;
 
 /// A finished run of several methods over one source.
@@ -25,6 +29,8 @@ pub struct Run {
     pub methods: Vec<MethodRecord>,
     /// What the source passed over.
     pub notes: Vec<String>,
+    /// What was to be seen at each of the stamps, where somebody filmed it.
+    pub film: Option<Film>,
 }
 
 /// What one method did.
@@ -38,6 +44,8 @@ pub struct MethodRecord {
     pub judgements: Vec<Stamped<Judgement>>,
     /// The particles of a method that has any, now and then.
     pub snapshots: Snapshots,
+    /// The scans that moved the pose most, of a method that matches lines.
+    pub lines: LineMoments,
     /// Number of controls and measurements it took in.
     pub updates: usize,
     /// Time it took \[s\].

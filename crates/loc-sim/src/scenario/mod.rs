@@ -25,6 +25,7 @@ use crate::localizer::{Method, MethodSettings};
 use crate::output::Illustration;
 use crate::probability_map::{ProbabilityMap, ProbabilityMapConfig};
 use crate::record::Run;
+use crate::runner::{Told, Watcher};
 use crate::source::drive::DriveConfig;
 use crate::source::rail::RailConfig;
 use crate::source::tour::TourConfig;
@@ -229,6 +230,19 @@ impl Scenario {
         methods: Option<&[Method]>,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Run> {
+        self.run_watched(seed, methods, &mut Told(progress))
+    }
+
+    /// The same with somebody looking on.
+    ///
+    /// # Errors
+    /// As [`run`](Scenario::run).
+    pub fn run_watched(
+        &self,
+        seed: Option<u64>,
+        methods: Option<&[Method]>,
+        watcher: &mut dyn Watcher,
+    ) -> Result<Run> {
         let seed = seed.unwrap_or(self.seed);
         let mut source = self.source(seed)?;
         let methods = methods.map_or_else(|| self.method_list(), |given| Ok(given.to_vec()))?;
@@ -240,6 +254,6 @@ impl Scenario {
             });
         }
         let settings = MethodSettings { seed, ..self.settings()? };
-        runner::run(source.as_mut(), &methods, &settings, progress)
+        runner::run_watched(source.as_mut(), &methods, &settings, watcher)
     }
 }

@@ -1,7 +1,12 @@
-//! What the particle filter does inside: M2 and M11.
+//! What the filters do inside: F5, K1 in one dimension, M2 and M11.
 
+use approx::assert_relative_eq;
+use loc_sim::demonstration::door_corridor::Step;
 use loc_sim::demonstration::mcl_1d::Stage;
-use loc_sim::demonstration::{DemonstrationConfig, Diversity, DiversityConfig, Mcl1d, Mcl1dConfig};
+use loc_sim::demonstration::{
+    DemonstrationConfig, Diversity, DiversityConfig, DoorCorridor, DoorCorridorConfig,
+    MailboxDiagnosis, Mcl1d, Mcl1dConfig,
+};
 use loc_sim::scenario::Scenario;
 use roxmltree::Document;
 
@@ -111,7 +116,12 @@ fn seldom_is_better_where_weights_differ() {
 
 #[test]
 fn figures_are_written_and_the_same_for_the_same_seed() {
-    for (name, file) in [("mcl-1d", "stages.svg"), ("diversity", "diversity.svg")] {
+    for (name, file) in [
+        ("mcl-1d", "stages.svg"),
+        ("diversity", "diversity.svg"),
+        ("mailbox", "mailbox.svg"),
+        ("door-corridor", "beliefs.svg"),
+    ] {
         let scenario = scenario(name, &[]);
         let files = |seed| {
             let illustration = scenario.illustrate(seed).unwrap().unwrap();
@@ -119,8 +129,9 @@ fn figures_are_written_and_the_same_for_the_same_seed() {
         };
         let (first, second) = (files(1), files(1));
         assert!(Document::parse(first.text(file).unwrap()).is_ok());
-        assert_eq!(first.text(file), second.text(file));
-        assert_ne!(first.text(file), files(2).text(file));
+        assert!(first.text(file) == second.text(file), "{name}");
+        // The mailbox draws nothing.
+        assert_eq!(first.text(file) == files(2).text(file), name == "mailbox");
         assert!(scenario.run(None, None, &mut |_| {}).is_err());
     }
 }
@@ -132,6 +143,13 @@ fn bad_values_name_their_key() {
         ("mcl-1d", "doors_m=[25.0]", "demonstration.doors_m: expected a place in the corridor"),
         ("mcl-1d", "drive_m=17.0", "start_m + drive_m: expected a place in the corridor, got `21`"),
         ("mcl-1d", "false_door=0.0", "demonstration.false_door: expected a finite number > 0"),
+        ("mailbox", "mail_comes=1.5", "demonstration.mail_comes: expected a probability"),
+        ("mailbox", "flags=[]", "demonstration.flags: expected 1 to 366 days, got `0`"),
+        ("mailbox", "flags=[\"red\"]", "unknown variant `red`"),
+        ("door-corridor", "drives_m=[3.0, 30.0]", "start_m + drives_m: expected a place"),
+        ("door-corridor", "cell_m=0.0", "demonstration.cell_m: expected a finite number > 0"),
+        ("door-corridor", "cell_m=1e-9", "cells of the corridor: expected at most 1e7"),
+        ("door-corridor", "false_door=0.0", "expected a number above 0 and below 1"),
         ("diversity", "steps=0", "demonstration.steps: expected 1 to 100000, got `0`"),
         ("diversity", "effective_share=2.0", "effective share of the particles"),
         ("diversity", "kind=\"magic\"", "unknown variant `magic`"),
@@ -140,5 +158,60 @@ fn bad_values_name_their_key() {
         let change = format!("demonstration.{change}");
         let error = Scenario::named(name, &[change]).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");
+    }
+}
+
+/// F5: P(full | up) = 0.27 / 0.34, then a day by hand.
+#[test]
+fn the_mailbox_by_hand() {
+    let Some(DemonstrationConfig::Mailbox(config)) = scenario("mailbox", &[]).demonstration else {
+        panic!("no mailbox");
+    };
+    let diagnosis = MailboxDiagnosis::new(&config).unwrap();
+    assert_relative_eq!(diagnosis.full_if_up, 0.27 / 0.34, epsilon = 1e-12);
+    assert_relative_eq!(diagnosis.full_if_down, 0.03 / 0.66, epsilon = 1e-12);
+    assert_relative_eq!(diagnosis.days[0].believed, 0.27 / 0.34, epsilon = 1e-12);
+    let predicted = 0.5 * 0.27 / 0.34 + 0.4 * 0.07 / 0.34;
+    assert_relative_eq!(diagnosis.days[1].predicted, predicted, epsilon = 1e-12);
+    let believed = 0.9 * predicted / (0.9 * predicted + 0.1 * (1.0 - predicted));
+    assert_relative_eq!(diagnosis.days[1].believed, believed, epsilon = 1e-12);
+}
+
+/// An impossible flag is said to be so, not turned into NaN.
+#[test]
+fn a_flag_that_cannot_be_is_an_error() {
+    let changes = ["demonstration.flag_up_if_full=0.0", "demonstration.flag_up_if_empty=0.0"];
+    let error = scenario("mailbox", &changes).illustrate(1).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "posterior distribution: the evidence has probability 0, so nothing follows from it"
+    );
+}
+
+/// Doors at 4, 7, 12 and 19 m: only a start at the first fits drives of 3 m and 5 m.
+#[test]
+fn the_corridor_is_told_apart_by_its_doors() {
+    let Some(DemonstrationConfig::DoorCorridor(config)) =
+        scenario("door-corridor", &[]).demonstration
+    else {
+        panic!("no corridor");
+    };
+    let sure =
+        DoorCorridorConfig { sees_door: 1.0, false_door: 1e-9, drive_sigma_m: 0.05, ..config };
+    for seed in 0..20 {
+        let steps = DoorCorridor::new(&sure, seed).unwrap().steps;
+        assert_eq!(steps.len(), 8);
+        for step in &steps {
+            assert_relative_eq!(
+                step.belief.probabilities().iter().sum::<f64>(),
+                1.0,
+                epsilon = 1e-9
+            );
+        }
+        assert!(steps[0].near_truth() < 0.05);
+        // Doors are 1 m wide: nothing tells where in one the robot stands.
+        let Step { belief, truth, .. } = &steps[7];
+        let near = belief.probability(truth - 1.0, truth + 1.0);
+        assert!(near > 0.95, "seed {seed}: {near}");
     }
 }

@@ -16,6 +16,7 @@ mod figures;
 mod fit_beam;
 mod landmark_mcl;
 mod layering;
+mod line_matching;
 #[cfg(feature = "cli")]
 mod map;
 mod metrics;
@@ -25,7 +26,10 @@ mod particles;
 mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
+mod report;
+mod ros;
 mod scenarios;
 mod sense;
+mod switches;
 mod tour;
 mod wean;

@@ -106,6 +106,9 @@ fn parameters_of_nav2_are_taken() {
     let changed = summary(&folder, &[&arguments[..], &set].concat());
     assert_eq!(changed["seed"], 3);
     assert!(changed["methods"]["mcl"]["measurements_used"].as_u64().unwrap() > 55);
+    // What is off beside the file is switched on by its keys.
+    let set = ["--set", "filter.mcl.novelty.distance={}", "--set", "filter.mcl.tempering=false"];
+    assert_eq!(summary(&folder, &[&arguments[..], &set].concat())["seed"], 9);
     let error = failure(&folder, &[&arguments[..], &["--set", "odometry.delay_s=1"]].concat());
     assert!(error.contains("expected keys below filter.mcl or start"), "{error}");
 }
@@ -146,7 +149,7 @@ fn what_does_not_fit_is_refused_in_one_line() {
         (vec!["cut.log", "--map", "hall.yaml"], "cut.log:128: "),
         (
             vec!["other.log"],
-            "other.log: expected a recording: a folder with Barcodes.dat (mrclam), a log of ODOM",
+            "other.log: expected a recording: a bag of ROS, an MCAP file, a folder with Barcodes.dat (mrclam), a log of ODOM",
         ),
         (vec!["none.log"], "none.log: "),
         (

@@ -1,6 +1,7 @@
 //! How well a line of a scan fits a line of the map.
 
 use super::{LineModel, PredictedLine};
+use crate::association::{PairInnovation, Pairing};
 use crate::extended::MeasurementModel;
 use loc_core::{Gaussian, Pose2};
 use loc_maps::{LineMap, LineSegment};
@@ -8,7 +9,7 @@ use loc_sensors::features::Line;
 use nalgebra::{Matrix2, RowVector3, Vector2};
 
 /// The lines of a scan beside those that were predicted.
-pub(super) struct Pairs<'a> {
+pub(super) struct Lines<'a> {
     pub(super) map: &'a LineMap,
     pub(super) mounting: Pose2,
     pub(super) seen: &'a [Line],
@@ -21,7 +22,7 @@ pub(super) struct Pairs<'a> {
     pub(super) slack: f64,
 }
 
-impl<'a> Pairs<'a> {
+impl<'a> Lines<'a> {
     /// Of the lines that a scanner at `scanner` (`map_from_laser`) has seen and should have seen.
     pub(super) fn new(
         map: &'a LineMap,
@@ -32,7 +33,7 @@ impl<'a> Pairs<'a> {
     ) -> Self {
         let back = scanner.inverse();
         let stretches = predicted.iter().map(|line| line.stretch.seen_from(back)).collect();
-        Pairs { map, mounting, seen, predicted, stretches, min_overlap, slack }
+        Lines { map, mounting, seen, predicted, stretches, min_overlap, slack }
     }
 
     /// (r, alpha) of a line of the scan.
@@ -89,4 +90,32 @@ impl<'a> Pairs<'a> {
 
 fn span(a: f64, b: f64) -> [f64; 2] {
     [a.min(b), a.max(b)]
+}
+
+/// The pairs as the rules of [`association`](crate::association) see them.
+pub(super) struct WithBelief<'a> {
+    pub(super) lines: &'a Lines<'a>,
+    pub(super) belief: &'a Gaussian<3>,
+}
+
+impl Pairing<2> for WithBelief<'_> {
+    fn sightings(&self) -> usize {
+        self.lines.seen.len()
+    }
+
+    fn landmarks(&self) -> usize {
+        self.lines.predicted.len()
+    }
+
+    fn innovation(&self, seen: usize, predicted: usize) -> Option<PairInnovation<2>> {
+        let (residual, covariance) = self.lines.innovation(self.belief, seen, predicted);
+        let possible = self.lines.overlap(self.belief, seen, predicted);
+        possible.then_some(PairInnovation { residual, covariance })
+    }
+
+    fn cross_covariance(&self, a: (usize, usize), b: (usize, usize)) -> Matrix2<f64> {
+        let jacobian =
+            |(seen, predicted)| self.lines.model(seen, predicted).jacobian(&self.belief.mean);
+        jacobian(a) * self.belief.covariance * jacobian(b).transpose()
+    }
 }

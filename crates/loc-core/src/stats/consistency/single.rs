@@ -1,8 +1,8 @@
-//! Whether an estimator's errors are what it claims them to be.
+//! The figures of a single error, and of a single sequence.
 
-use super::chi_square::check_confidence;
-use super::moments::RunningMoments;
 use crate::error::{finite, positive};
+use crate::stats::RunningMoments;
+use crate::stats::chi_square::check_confidence;
 use crate::{Error, Gaussian, Normal, Result};
 use nalgebra::{SMatrix, SVector};
 

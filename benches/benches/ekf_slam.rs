@@ -1,0 +1,127 @@
+//! One correction of EKF-SLAM among n landmarks, beside the same step on full nalgebra matrices
+//! and beside what memory alone takes: reading and writing half of the covariance.
+#![allow(missing_docs, clippy::expect_used)]
+
+use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
+use loc_core::{Gaussian, Pose2, Twist2};
+use loc_filters::slam::{EkfSlam, SlamSettings};
+use loc_sensors::landmark_camera::{Sight, Sighting};
+use nalgebra::{DMatrix, DVector, Matrix2};
+use std::hint::black_box;
+
+/// Landmarks in rows of 20, 2 m apart.
+fn place(id: u32) -> (f64, f64) {
+    (2.0 * f64::from(id % 20) + 1.0, 2.0 * f64::from(id / 20) + 1.0)
+}
+
+fn see(pose: Pose2, id: u32) -> Sighting {
+    let (x, y) = place(id);
+    let (dx, dy) = (x - pose.x, y - pose.y);
+    let bearing = loc_core::angle::wrap(dy.atan2(dx) - pose.theta);
+    Sighting { landmark: id, sight: Sight::RangeBearing { range: dx.hypot(dy), bearing } }
+}
+
+/// A filter that has driven past n landmarks, in whose covariance everything depends on
+/// everything.
+fn driven(n: u32, settings: SlamSettings) -> EkfSlam {
+    let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
+    let mut slam = EkfSlam::new(start, settings).expect("valid");
+    for id in 0..n {
+        slam.predict(Twist2::forward(0.1, 0.01), 0.1).expect("finite");
+        let pose = slam.pose().expect("positive").pose();
+        slam.correct(&[see(pose, id)]).expect("finite");
+    }
+    slam
+}
+
+fn sightings(slam: &EkfSlam, count: u32) -> Vec<Sighting> {
+    let pose = slam.pose().expect("positive").pose();
+    (0..count)
+        .map(|k| {
+            let id = 7 + 11 * k;
+            let at = slam.landmark(id).expect("known").position.mean;
+            let (dx, dy) = (at.x - pose.x, at.y - pose.y);
+            let bearing = loc_core::angle::wrap(dy.atan2(dx) - pose.theta);
+            Sighting { landmark: id, sight: Sight::RangeBearing { range: dx.hypot(dy), bearing } }
+        })
+        .collect()
+}
+
+/// `P - K H P` with all matrices in full.
+fn full_update(p: &mut DMatrix<f64>, h: &DMatrix<f64>, columns: &[usize]) -> DVector<f64> {
+    let mut p_ht = DMatrix::zeros(p.nrows(), 2);
+    for (k, &column) in columns.iter().enumerate() {
+        p_ht.ger(1.0, &p.column(column), &h.column(k), 1.0);
+    }
+    let mut s = Matrix2::new(0.0025, 0.0, 0.0, 0.0003);
+    for (k, &row) in columns.iter().enumerate() {
+        s += h.column(k) * p_ht.row(row);
+    }
+    let gain = &p_ht * s.try_inverse().expect("regular");
+    p.gemm(-1.0, &gain, &p_ht.transpose(), 1.0);
+    gain.column(0).into()
+}
+
+fn updates(c: &mut Criterion) {
+    let mut group = c.benchmark_group("ekf-slam/1-sighting");
+    for n in [100, 500, 1000, 2000_u32] {
+        let mut slam = driven(n, SlamSettings::default());
+        let seen = sightings(&slam, 1);
+        group.bench_function(BenchmarkId::new("loc-filters", n), |bencher| {
+            bencher.iter(|| slam.correct(black_box(&seen)).expect("finite"));
+        });
+        let size = 3 + 2 * n as usize;
+        let mut half = vec![1.0_f64; size * (size + 1) / 2];
+        group.bench_function(BenchmarkId::new("read and write half", n), |bencher| {
+            bencher.iter(|| black_box(&mut half).iter_mut().for_each(|value| *value *= 0.999_999));
+        });
+        if n <= 1000 {
+            let mut p = DMatrix::from_fn(size, size, |i, j| if i == j { 1.0 } else { 0.3 });
+            let h = DMatrix::from_row_slice(
+                2,
+                5,
+                &[-0.6, -0.8, 0.0, 0.6, 0.8, 0.16, -0.12, -1.0, -0.16, 0.12],
+            );
+            let columns = [0, 1, 2, 9, 10];
+            group.bench_function(BenchmarkId::new("full nalgebra", n), |bencher| {
+                bencher.iter(|| full_update(black_box(&mut p), &h, &columns));
+            });
+        }
+    }
+    group.finish();
+
+    let mut group = c.benchmark_group("ekf-slam/8-sightings");
+    let mut slam = driven(1000, SlamSettings::default());
+    let seen = sightings(&slam, 8);
+    group.bench_function("one pass", |bencher| {
+        bencher.iter(|| slam.correct(black_box(&seen)).expect("finite"));
+    });
+    group.bench_function("eight passes", |bencher| {
+        bencher.iter(|| {
+            for one in black_box(&seen) {
+                slam.correct(std::slice::from_ref(one)).expect("finite");
+            }
+        });
+    });
+    group.finish();
+
+    let mut group = c.benchmark_group("ekf-slam/motion");
+    for n in [100, 1000_u32] {
+        let slam = driven(n, SlamSettings::default());
+        group.bench_function(BenchmarkId::from_parameter(n), |bencher| {
+            bencher.iter_batched_ref(
+                || slam.clone(),
+                |slam| {
+                    for _ in 0..10 {
+                        slam.predict(black_box(Twist2::forward(0.1, 0.1)), 0.1).expect("finite");
+                    }
+                },
+                BatchSize::LargeInput,
+            );
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(name = benches; config = loc_bench::criterion(); targets = updates);
+criterion_main!(benches);

@@ -1,0 +1,154 @@
+//! Which landmark was it? Data association: matching what was seen with what is known (H3, I4).
+//!
+//! A camera that reads numbers off its landmarks is a luxury. Trees, table legs and walls look
+//! alike, and a filter has to decide itself which of those it knows was seen. Each pair of a
+//! sighting and a landmark has an innovation: how far the two are apart, and how far they may be.
+//! A [`Pairing`] computes it; the rules here only compare:
+//!
+//! * [`Rule::NearestNeighbor`] takes the pairs in order of their distance (NIS), each sighting and
+//!   each landmark once;
+//! * [`Rule::MaximumLikelihood`] takes them in order of their likelihood, so that of two landmarks
+//!   at the same distance the one that is known better wins;
+//! * [`Rule::JointCompatibility`] looks for the largest set of pairs that fit *together*. A robot
+//!   that is off by half a metre sees all landmarks displaced alike, and only this rule knows.
+//!
+//! Line maps, landmark maps and SLAM use the same rules through their own [`Pairing`].
+//!
+//! ```
+//! use loc_filters::association::{AssociationSettings, Associator, PairInnovation, Pairing, Rule};
+//! use nalgebra::{Matrix1, Vector1};
+//!
+//! /// Places on a line, measured to 0.1; the robot that measures may itself be off by 1.
+//! struct OnALine { seen: [f64; 2], known: [f64; 3] }
+//! impl Pairing<1> for OnALine {
+//!     fn sightings(&self) -> usize { self.seen.len() }
+//!     fn landmarks(&self) -> usize { self.known.len() }
+//!     fn innovation(&self, sighting: usize, landmark: usize) -> Option<PairInnovation<1>> {
+//!         let residual = Vector1::new(self.seen[sighting] - self.known[landmark]);
+//!         Some(PairInnovation { residual, covariance: Matrix1::new(1.01) })
+//!     }
+//!     fn cross_covariance(&self, _: (usize, usize), _: (usize, usize)) -> Matrix1<f64> {
+//!         Matrix1::new(1.0)
+//!     }
+//! }
+//!
+//! // Both are seen 0.9 too far to the right, so that the nearest landmark is the wrong one.
+//! let line = OnALine { seen: [0.9, 2.4], known: [0.0, 1.5, 3.1] };
+//! let by = |rule| Associator::new(AssociationSettings { rule, ..Default::default() });
+//! let nearest = by(Rule::NearestNeighbor)?.associate(&line)?;
+//! assert_eq!(nearest.partners, [Some(1), Some(2)]);
+//! let joint = by(Rule::JointCompatibility)?.associate(&line)?;
+//! assert_eq!(joint.partners, [Some(0), Some(1)]);
+//! # Ok::<(), loc_filters::Error>(())
+//! ```
+
+mod candidates;
+mod greedy;
+mod joint;
+mod settings;
+
+pub use settings::{AssociationSettings, Rule};
+
+use crate::{Gate, Result};
+use candidates::Candidates;
+use nalgebra::{SMatrix, SVector};
+
+/// The innovation of one sighting with one landmark.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairInnovation<const M: usize> {
+    /// What was seen minus what was expected of this landmark, angles wrapped.
+    pub residual: SVector<f64, M>,
+    /// Its covariance `H P H^T + R`, M x M, positive definite.
+    pub covariance: SMatrix<f64, M, M>,
+}
+
+/// How well a sighting fits a landmark, for sightings of `M` numbers.
+pub trait Pairing<const M: usize> {
+    /// Number of sightings.
+    fn sightings(&self) -> usize;
+
+    /// Number of landmarks.
+    fn landmarks(&self) -> usize;
+
+    /// The innovation, were the sighting one of this landmark; `None` where that is out of the
+    /// question, which a pairing that has a cheap test says without computing more.
+    fn innovation(&self, sighting: usize, landmark: usize) -> Option<PairInnovation<M>>;
+
+    /// Covariance between the innovations of two pairs (sighting, landmark) of different
+    /// sightings, `H_a P H_b^T`, M x M. Zero unless both depend on the same unknown, such as the
+    /// robot's pose; a particle filter, which knows the pose of each particle, leaves it at zero.
+    fn cross_covariance(&self, _a: (usize, usize), _b: (usize, usize)) -> SMatrix<f64, M, M> {
+        SMatrix::zeros()
+    }
+}
+
+/// Which sighting is of which landmark.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Association {
+    /// For each sighting its landmark, or `None` for one that fits none. No landmark occurs twice.
+    pub partners: Vec<Option<usize>>,
+    /// For each sighting the NIS with the landmark that fits it best on its own, whoever got that
+    /// landmark; infinite where the pairing rules all of them out. It tells a sighting of
+    /// something new from one that came off second best.
+    pub nearest: Vec<f64>,
+    /// Whether the search was finished. One that ran into its limit returns the best set it has
+    /// seen, which is never worse than taking the sightings in turn, each with its nearest
+    /// landmark that fits those before.
+    pub complete: bool,
+}
+
+impl Association {
+    /// Number of sightings that have a landmark.
+    pub fn matched(&self) -> usize {
+        self.partners.iter().flatten().count()
+    }
+}
+
+/// A rule of association with its gates, computed once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Associator {
+    settings: AssociationSettings,
+    gate: Gate,
+    joint: joint::JointGate,
+}
+
+impl Associator {
+    /// An associator from its settings.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a gate probability outside (0, 1].
+    pub fn new(settings: AssociationSettings) -> Result<Self> {
+        let gate = Gate::probability(settings.gate_probability)?;
+        let joint = joint::JointGate::new(settings.gate_probability)?;
+        Ok(Associator { settings, gate, joint })
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &AssociationSettings {
+        &self.settings
+    }
+
+    /// Matches sightings with landmarks. Any number of either is fine, none included.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFinite`] for a residual, [`loc_core::Error::NotACovariance`] for a
+    /// covariance that is not positive definite.
+    pub fn associate<const M: usize>(&self, pairing: &impl Pairing<M>) -> Result<Association> {
+        self.associate_within(pairing, &mut self.settings.search_limit.clone())
+    }
+
+    /// The same with a number of hypotheses that several calls share.
+    pub(crate) fn associate_within<const M: usize>(
+        &self,
+        pairing: &impl Pairing<M>,
+        budget: &mut usize,
+    ) -> Result<Association> {
+        let candidates = Candidates::new(pairing, &self.gate)?;
+        let (partners, complete) = match self.settings.rule {
+            Rule::NearestNeighbor => (candidates.greedy(|fit| fit.nis), true),
+            Rule::MaximumLikelihood => (candidates.greedy(|fit| -fit.log_likelihood), true),
+            Rule::JointCompatibility => joint::search(pairing, &candidates, &self.joint, budget),
+        };
+        Ok(Association { partners, nearest: candidates.nearest, complete })
+    }
+}

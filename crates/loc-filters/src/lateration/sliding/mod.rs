@@ -1,0 +1,328 @@
+//! Lateration of a robot that drives, one distance after the other.
+
+mod settings;
+mod track;
+mod window;
+
+pub use settings::SlidingSettings;
+
+use super::minimize::{Minimum, OFFSET, SCALE};
+use super::{LaterationSettings, Range, RangeBias, locate};
+use crate::{Error, Result};
+use loc_core::gaussian::cholesky;
+use loc_core::{Gaussian, Twist2};
+use loc_maps::LandmarkMap;
+use loc_sensors::landmark_camera::Sighting;
+use nalgebra::{Matrix3, Point2, Vector3};
+use std::collections::VecDeque;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+use track::{Passed, Track};
+use window::{Carried, HEADING, Window, pose_of};
+
+/// Variance of a heading of which nothing is known \[rad^2\].
+const NO_HEADING: f64 = PI * PI / 3.0;
+/// Headings from which a pose is sought that nobody knows.
+const HEADINGS: usize = 8;
+/// A cost per distance above this makes the whole map be searched again.
+const LOST: f64 = 9.0;
+/// A distance within so many standard deviations fits.
+const FITS: f64 = 3.0;
+
+/// Lateration over a sliding window of the last distances.
+///
+/// A robot seldom hears all landmarks at once. Odometry says where each of the last distances was
+/// measured as seen from now; the pose that fits all of them best is the answer. Older ones count
+/// less, as the odometry since then may be off. Nothing older than the window is remembered, except
+/// that the heading is kept as long as odometry carries it on better than the window tells it.
+///
+/// ```
+/// use loc_core::Twist2;
+/// use loc_filters::lateration::{SlidingLateration, SlidingSettings};
+/// use loc_maps::{Landmark, LandmarkMap};
+/// use loc_sensors::landmark_camera::{Sight, Sighting};
+/// let map = LandmarkMap::new([
+///     Landmark::planar(1, 0.0, 0.0), Landmark::planar(2, 4.0, 0.0), Landmark::planar(3, 0.0, 4.0),
+/// ])?;
+/// let mut robot = SlidingLateration::new(map.clone(), SlidingSettings::default(), 0.0)?;
+/// robot.velocity(0.0, Twist2::forward(0.5, 0.0))?; // Along y, though it does not know.
+/// for k in 0..40 {
+///     let (stamp, landmark) = (0.1 * f64::from(k), 1 + k as u32 % 3);
+///     let at = nalgebra::Point3::new(2.0, 1.0 + 0.5 * stamp, 0.0);
+///     let range = nalgebra::distance(&at, &map.get(landmark).unwrap().position);
+///     robot.ranges(stamp, &[Sighting { landmark, sight: Sight::Range { range } }])?;
+/// }
+/// let pose = robot.estimate(4.0)?.expect("found").pose();
+/// assert!((pose.x - 2.0).abs() < 0.02 && (pose.y - 3.0).abs() < 0.02);
+/// assert!((pose.theta - 1.57).abs() < 0.02);
+/// # Ok::<(), loc_filters::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct SlidingLateration {
+    map: Arc<LandmarkMap>,
+    settings: SlidingSettings,
+    track: Track,
+    window: VecDeque<Heard>,
+    fix: Option<Placed>,
+    /// What was known at the start; it counts until the window is full.
+    start: Option<(f64, Gaussian<3>)>,
+}
+
+/// A distance as it was heard.
+#[derive(Debug, Clone, Copy)]
+struct Heard {
+    stamp: f64,
+    landmark: Point2<f64>,
+    distance: f64,
+}
+
+/// A pose with its time and the bias beside it.
+#[derive(Debug, Clone, Copy)]
+struct Placed {
+    stamp: f64,
+    belief: Gaussian<3>,
+    bias: RangeBias,
+}
+
+/// What became of a distance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RangeOutcome {
+    /// The map has no landmark of this number.
+    UnknownLandmark,
+    /// The sighting has no distance.
+    NoRange,
+    /// There are not enough distances yet to say where the robot is.
+    Waiting,
+    /// It fits the place that was found.
+    Fits,
+    /// It is more than three standard deviations off.
+    Off,
+}
+
+impl SlidingLateration {
+    /// Lateration that knows nothing of the pose at `stamp` \[s\].
+    ///
+    /// # Errors
+    /// Those of [`SlidingSettings::check`], and for a stamp that is not finite.
+    pub fn new(
+        map: impl Into<Arc<LandmarkMap>>,
+        settings: SlidingSettings,
+        stamp: f64,
+    ) -> Result<Self> {
+        settings.check()?;
+        loc_core::error::finite("start time [s]", stamp)?;
+        Ok(SlidingLateration {
+            map: map.into(),
+            settings,
+            track: Track::new(stamp, settings.integration),
+            window: VecDeque::new(),
+            fix: None,
+            start: None,
+        })
+    }
+
+    /// Tells it the pose at the start, as a belief over (x, y, theta).
+    ///
+    /// # Errors
+    /// Those of [`Gaussian::new`].
+    pub fn start_at(mut self, belief: &Gaussian<3>) -> Result<Self> {
+        let belief = Gaussian::new(belief.mean, belief.covariance)?;
+        let stamp = self.track.start();
+        self.start = Some((stamp, belief));
+        self.fix = Some(Placed { stamp, belief, bias: RangeBias::NONE });
+        Ok(self)
+    }
+
+    /// The velocity from `stamp` \[s\] on.
+    ///
+    /// # Errors
+    /// [`Error::TooLate`], and [`Error::NotFinite`] for the velocity.
+    pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
+        crate::innovation::finite("velocity", &twist.to_vector())?;
+        self.check_stamp("velocity", stamp)?;
+        if self.settings.odometry {
+            self.track.insert(stamp, twist);
+            self.forget();
+        }
+        Ok(())
+    }
+
+    /// Any number of distances measured at `stamp` \[s\]; the answer has an outcome for each.
+    ///
+    /// # Errors
+    /// [`Error::TooLate`], and [`loc_core::Error::OutOfRange`] for sightings that are not valid,
+    /// none of which is then used.
+    pub fn ranges(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<Vec<RangeOutcome>> {
+        self.check_stamp("distances", stamp)?;
+        for sighting in sightings {
+            sighting.sight.check()?;
+        }
+        let mut heard = Vec::with_capacity(sightings.len());
+        for sighting in sightings {
+            heard.push(match (self.map.get(sighting.landmark), sighting.sight.range()) {
+                (None, _) => Err(RangeOutcome::UnknownLandmark),
+                (_, None) => Err(RangeOutcome::NoRange),
+                (Some(landmark), Some(distance)) => {
+                    Ok(Heard { stamp, landmark: landmark.position.xy(), distance })
+                }
+            });
+        }
+        for &heard in heard.iter().flatten() {
+            let place = self.window.partition_point(|other| other.stamp <= stamp);
+            self.window.insert(place, heard);
+        }
+        while self.window.len() > self.settings.window {
+            self.window.pop_front();
+            self.start = None;
+        }
+        self.forget();
+        let now = self.window.back().map_or(stamp, |last| last.stamp);
+        let solved = heard.iter().any(Result::is_ok).then(|| self.solve(now)).flatten();
+        let judge = |heard: &Heard| match &solved {
+            None => RangeOutcome::Waiting,
+            Some((window, found)) => {
+                let range = self.carried(heard, now, &self.track.at(now));
+                let fits = window.deviation(&range, &found.at).abs() <= FITS;
+                if fits { RangeOutcome::Fits } else { RangeOutcome::Off }
+            }
+        };
+        let outcomes = heard.iter().map(|heard| heard.as_ref().map_or_else(|e| *e, judge));
+        let outcomes = outcomes.collect();
+        if let Some((_, found)) = &solved {
+            self.settle(now, found);
+        }
+        Ok(outcomes)
+    }
+
+    /// The belief at a time \[s\], the last fix carried on; `None` before the first fix.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite.
+    pub fn estimate(&self, stamp: f64) -> Result<Option<Gaussian<3>>> {
+        loc_core::error::finite("stamp [s]", stamp)?;
+        Ok(self.fix.as_ref().map(|fix| self.carry(&fix.belief, fix.stamp, stamp)))
+    }
+
+    /// The bias of the ranging sensor as the last fix found it; `None` before.
+    pub fn bias(&self) -> Option<RangeBias> {
+        self.fix.map(|fix| fix.bias)
+    }
+
+    fn check_stamp(&self, what: &'static str, stamp: f64) -> Result<()> {
+        loc_core::error::finite("stamp [s]", stamp)?;
+        let newest = self.window.back().map_or(f64::NEG_INFINITY, |last| last.stamp);
+        let (newest, horizon) = (newest.max(self.track.end()), self.settings.horizon);
+        if stamp < newest - horizon {
+            return Err(Error::TooLate { what, stamp, newest, horizon });
+        }
+        Ok(())
+    }
+
+    /// Forgets the odometry that neither the window nor a late input can ask for.
+    fn forget(&mut self) {
+        let late = self.track.end() - self.settings.horizon;
+        let oldest = self.window.front().map_or(late, |first| first.stamp.min(late));
+        let fix = self.fix.map_or(oldest, |fix| fix.stamp.min(oldest));
+        self.track.forget_before(self.start.map_or(fix, |(stamp, _)| stamp.min(fix)));
+    }
+
+    fn carry(&self, belief: &Gaussian<3>, from: f64, to: f64) -> Gaussian<3> {
+        let mut belief = self.track.carry(*belief, from, to, &self.settings.motion_noise);
+        if !self.settings.odometry {
+            let walked = (self.settings.walk * (to - from).max(0.0)).powi(2);
+            let spread = Vector3::new(walked, walked, 0.0);
+            belief.covariance += Matrix3::from_diagonal(&spread);
+        }
+        belief
+    }
+
+    /// A distance as seen from a later time, to which the robot has come by `passed`.
+    fn carried(&self, heard: &Heard, now: f64, passed: &Passed) -> Carried {
+        let SlidingSettings { motion_noise: noise, antenna, .. } = &self.settings;
+        let then = self.track.at(heard.stamp);
+        let (way, turned) = (passed.way - then.way, passed.turned - then.turned);
+        let antenna = passed.pose.between(then.pose).transform(antenna).coords;
+        let heading = noise.k_drift * way + noise.k_theta * turned;
+        let mut variance = self.settings.range_noise.range_sigma_at(heard.distance).powi(2);
+        // The mean of a heading error that grows evenly, over a straight way.
+        variance += noise.k_d * way + heading * antenna.norm_squared() / 3.0;
+        if !self.settings.odometry {
+            variance += (self.settings.walk * (now - heard.stamp)).powi(2);
+        }
+        let (landmark, distance) = (heard.landmark, heard.distance);
+        Carried { landmark, distance, sigma: variance.sqrt(), antenna }
+    }
+
+    /// The pose that fits the window best.
+    fn solve(&self, now: f64) -> Option<(Window, Minimum)> {
+        let passed = self.track.at(now);
+        let ranges: Vec<Carried> =
+            self.window.iter().map(|heard| self.carried(heard, now, &passed)).collect();
+        let known = self.start.and_then(|(stamp, belief)| {
+            let belief = self.carry(&belief, stamp, now);
+            Some((belief.mean, cholesky("start", &belief.covariance).ok()?))
+        });
+        let size = |r: &Carried| r.distance + r.antenna.norm() + r.sigma;
+        let extent = ranges.iter().map(size).fold(0.0, f64::max);
+        let (loss, bias) = (self.settings.loss, self.settings.bias);
+        let heading = self.settings.odometry;
+        let mut window = Window { ranges, loss, bias, known, heading, extent };
+        let carried = self.fix.map(|fix| self.carry(&fix.belief, fix.stamp, now));
+        let from_last = carried.and_then(|belief| window.solve(belief.mean));
+        let lost = |found: &Minimum| found.cost > LOST * window.ranges.len() as f64;
+        let mut best = match from_last {
+            Some(found) if !lost(&found) => found,
+            lost => self.search(&window).into_iter().chain(lost).min_by(by_cost)?,
+        };
+        // Odometry since the last fix may know the heading better than the window does.
+        if let Some(belief) = carried.filter(|_| window.heading) {
+            let kept = belief.covariance[(HEADING, HEADING)];
+            if best.covariance[(HEADING, HEADING)] > kept {
+                window.heading = false;
+                best.at[HEADING] = belief.mean.z;
+                best = window.solve(best.at.fixed_rows::<3>(0).into())?;
+                best.covariance[(HEADING, HEADING)] = kept;
+            }
+        }
+        Some((window, best))
+    }
+
+    /// The best of all minima over the map; `None` where the window leaves it open.
+    fn search(&self, window: &Window) -> Option<Minimum> {
+        let circle =
+            |r: &Carried| Range { landmark: r.landmark, distance: r.distance, sigma: r.sigma };
+        let circles: Vec<Range<2>> = window.ranges.iter().map(circle).collect();
+        if window.known.is_none() && circles.len() < 3 + window.bias.free() {
+            return None;
+        }
+        let solution = locate(&circles, None, &LaterationSettings::default()).ok()?;
+        let places = std::iter::once(&solution.best).chain(&solution.other);
+        let headings = if window.heading { HEADINGS } else { 1 };
+        let starts = places.flat_map(|fix| {
+            let pose = move |k| Vector3::new(fix.position.x, fix.position.y, turn(k, headings));
+            (0..headings).map(pose)
+        });
+        starts.filter_map(|start| window.solve(start)).min_by(by_cost)
+    }
+
+    /// Keeps a minimum as the fix.
+    fn settle(&mut self, stamp: f64, found: &Minimum) {
+        let mut belief = pose_of(found);
+        if !self.settings.odometry {
+            belief.mean.z = self.start.map_or(0.0, |(_, start)| start.mean.z);
+            belief.covariance[(HEADING, HEADING)] = NO_HEADING;
+        }
+        let bias = RangeBias { scale: found.at[SCALE], offset: found.at[OFFSET] };
+        self.fix = Some(Placed { stamp, belief, bias });
+        self.forget();
+    }
+}
+
+fn by_cost(a: &Minimum, b: &Minimum) -> std::cmp::Ordering {
+    a.cost.total_cmp(&b.cost)
+}
+
+/// The k-th of so many headings all around \[rad\].
+fn turn(k: usize, count: usize) -> f64 {
+    TAU * k as f64 / count as f64
+}

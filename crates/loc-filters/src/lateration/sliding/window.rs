@@ -1,0 +1,111 @@
+//! Distances of the recent past as a sum to minimise over the pose now, scale and offset.
+
+use crate::lateration::minimize::{Minimum, OFFSET, Problem, Row, SCALE, Unknowns, minimize};
+use crate::lateration::place::{bias_reach, bias_rows};
+use crate::lateration::{BiasPrior, Loss, RangeBias};
+use loc_core::{Gaussian, angle};
+use nalgebra::{Cholesky, Const, Point2, Vector2, Vector3};
+use std::f64::consts::PI;
+
+/// Where the heading stands among the unknowns.
+pub(super) const HEADING: usize = 2;
+
+/// A distance with where it was measured, seen from where the robot is now.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Carried {
+    pub(super) landmark: Point2<f64>,
+    pub(super) distance: f64,
+    /// Standard deviation, the way since then included \[m\].
+    pub(super) sigma: f64,
+    /// The antenna then, in the robot's frame now \[m\].
+    pub(super) antenna: Vector2<f64>,
+}
+
+/// The window's sum of squares.
+pub(super) struct Window {
+    pub(super) ranges: Vec<Carried>,
+    pub(super) loss: Loss,
+    pub(super) bias: BiasPrior,
+    /// What else is known of the pose, with the factor of its covariance.
+    pub(super) known: Option<(Vector3<f64>, Cholesky<f64, Const<3>>)>,
+    /// Whether the heading is to be found, too.
+    pub(super) heading: bool,
+    /// Size of the whole figure \[m\].
+    pub(super) extent: f64,
+}
+
+impl Window {
+    /// The minimum that a pose leads to.
+    pub(super) fn solve(&self, pose: Vector3<f64>) -> Option<Minimum> {
+        let mut start = Unknowns::zeros();
+        start.fixed_rows_mut::<3>(0).copy_from(&pose);
+        start[SCALE] = 1.0;
+        let mut found = minimize(self, start)?;
+        let farthest = found.at.fixed_rows::<2>(0) - pose.fixed_rows::<2>(0);
+        found.at[HEADING] = angle::wrap(found.at[HEADING]);
+        (farthest.norm() <= 10.0 * self.extent).then_some(found)
+    }
+
+    /// Distance by distance: how many standard deviations it is off at a minimum.
+    pub(super) fn deviation(&self, range: &Carried, at: &Unknowns) -> f64 {
+        self.row(range, at).residual / range.sigma
+    }
+
+    fn row(&self, range: &Carried, at: &Unknowns) -> Row {
+        let bias = RangeBias { scale: at[SCALE], offset: at[OFFSET] };
+        let (sin, cos) = at[HEADING].sin_cos();
+        let arm = Vector2::new(
+            cos * range.antenna.x - sin * range.antenna.y,
+            sin * range.antenna.x + cos * range.antenna.y,
+        );
+        let way = Vector2::new(at[0], at[1]) + arm - range.landmark.coords;
+        let distance = way.norm();
+        let direction = way.try_normalize(0.0).unwrap_or_default();
+        let by_heading = direction.y * arm.x - direction.x * arm.y;
+        let gradient = Unknowns::from([
+            bias.scale * direction.x,
+            bias.scale * direction.y,
+            bias.scale * by_heading,
+            distance,
+            1.0,
+        ]);
+        let residual = bias.reported(distance) - range.distance;
+        Row { residual, gradient, sigma: range.sigma, scale: range.sigma, loss: self.loss }
+    }
+}
+
+impl Problem for Window {
+    fn rows(&self, at: &Unknowns, visit: &mut dyn FnMut(&Row)) {
+        self.ranges.iter().for_each(|range| visit(&self.row(range, at)));
+        bias_rows(&self.bias, at, visit);
+        let Some((pose, factor)) = &self.known else { return };
+        let mut off = Vector3::new(at[0], at[1], at[2]) - pose;
+        off.z = angle::wrap(off.z);
+        let lower = factor.l_dirty();
+        let Some(whitened) = lower.solve_lower_triangular(&off) else { return };
+        let Some(slopes) = lower.solve_lower_triangular(&nalgebra::Matrix3::identity()) else {
+            return;
+        };
+        for k in 0..3 {
+            let mut gradient = Unknowns::zeros();
+            gradient.fixed_rows_mut::<3>(0).copy_from(&slopes.row(k).transpose());
+            let residual = whitened[k];
+            visit(&Row { residual, gradient, sigma: 1.0, scale: 1.0, loss: Loss::Quadratic });
+        }
+    }
+
+    fn reach(&self) -> Unknowns {
+        let heading = if self.heading { PI } else { 0.0 };
+        let mut reach = Unknowns::from([self.extent, self.extent, heading, 0.0, 0.0]);
+        bias_reach(&self.bias, self.extent, &mut reach);
+        reach
+    }
+}
+
+/// The pose among the unknowns, as a belief.
+pub(super) fn pose_of(minimum: &Minimum) -> Gaussian<3> {
+    Gaussian {
+        mean: minimum.at.fixed_rows::<3>(0).into(),
+        covariance: minimum.covariance.fixed_view::<3, 3>(0, 0).into(),
+    }
+}

@@ -1,0 +1,175 @@
+//! The correction: sightings find their landmarks, and all of them correct the state together.
+
+use super::look::Place;
+use super::pairs::Pairs;
+use super::{EkfSlam, Identities, SlamOutcome, SlamVerdict};
+use crate::Result;
+use crate::association::AssociationSettings;
+use crate::slam::state::Row;
+use loc_core::angle;
+use loc_sensors::landmark_camera::Sighting;
+
+/// What a sighting is until something better is known of it.
+const UNPLACEABLE: SlamOutcome = SlamOutcome { landmark: None, verdict: SlamVerdict::Unplaceable };
+
+impl EkfSlam {
+    /// Corrects with all sightings of one moment, any number of them, and says what became of each.
+    ///
+    /// Sightings are taken in groups of [`AssociationSettings::GROUP`]. Those of one group are
+    /// linearised at the same state, gated one by one, and those believed correct the state in one
+    /// pass over the covariance. Numbered sightings of landmarks that are not in the state yet,
+    /// and others that fit none, put new ones into it after that.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a sighting that is not finite or has a negative range:
+    /// none is then used. [`crate::Error::LostPositivity`], with the step: the filter cannot go on.
+    pub fn correct(&mut self, sightings: &[Sighting]) -> Result<Vec<SlamOutcome>> {
+        for sighting in sightings {
+            sighting.sight.check()?;
+        }
+        let mut outcomes = Vec::with_capacity(sightings.len());
+        let mut budget = self.settings.association.search_limit;
+        for group in sightings.chunks(AssociationSettings::GROUP) {
+            match self.settings.identities {
+                Identities::Known => self.correct_numbered(group, &mut outcomes)?,
+                Identities::Unknown => {
+                    self.correct_unnumbered(group, &mut budget, &mut outcomes)?;
+                }
+            }
+        }
+        if self.settings.identities == Identities::Unknown && !sightings.is_empty() {
+            let mut seen = vec![false; self.entries.len()];
+            for id in outcomes.iter().filter_map(|outcome| outcome.landmark) {
+                self.numbers.get(&id).into_iter().for_each(|&landmark| seen[landmark] = true);
+            }
+            self.tidy(&seen);
+        }
+        Ok(outcomes)
+    }
+
+    fn correct_numbered(
+        &mut self,
+        group: &[Sighting],
+        outcomes: &mut Vec<SlamOutcome>,
+    ) -> Result<()> {
+        let first = outcomes.len();
+        let mut rows = Vec::with_capacity(2 * group.len());
+        let mut new = Vec::new();
+        for (k, sighting) in group.iter().enumerate() {
+            outcomes.push(match self.numbers.get(&sighting.landmark) {
+                Some(&landmark) => self.judge(landmark, sighting.sight, &self.gate, &mut rows)?,
+                None => {
+                    new.push(k);
+                    UNPLACEABLE
+                }
+            });
+        }
+        self.apply(&rows)?;
+        for outcome in &outcomes[first..] {
+            if let Some(id) = outcome.landmark {
+                self.credit(id, outcome.accepted());
+            }
+        }
+        for k in new {
+            outcomes[first + k] = self.welcome(&group[k])?;
+        }
+        self.remove_false();
+        Ok(())
+    }
+
+    /// A sighting of a number that the state did not have when its group began.
+    fn welcome(&mut self, sighting: &Sighting) -> Result<SlamOutcome> {
+        let id = sighting.landmark;
+        let Some(&landmark) = self.numbers.get(&id) else {
+            return match self.place(sighting) {
+                Some(place) => self.enter(id, &place),
+                None => Ok(UNPLACEABLE),
+            };
+        };
+        // It was born a moment ago, by another sighting of the same group.
+        let mut rows = Vec::with_capacity(2);
+        let outcome = self.judge(landmark, sighting.sight, &self.gate, &mut rows)?;
+        self.apply(&rows)?;
+        self.credit(id, outcome.accepted());
+        Ok(outcome)
+    }
+
+    fn correct_unnumbered(
+        &mut self,
+        group: &[Sighting],
+        budget: &mut usize,
+        outcomes: &mut Vec<SlamOutcome>,
+    ) -> Result<()> {
+        let places: Vec<Option<Place>> = group.iter().map(|seen| self.place(seen)).collect();
+        let placed: Vec<Place> = places.iter().flatten().copied().collect();
+        placed.iter().for_each(|place| self.reach.include(place));
+        let association = self.associator.associate_within(&Pairs::new(self, &placed), budget);
+        let association = association.map_err(|error| self.state.blamed(error))?;
+        let mut rows = Vec::with_capacity(2 * placed.len());
+        let mut found = vec![UNPLACEABLE; group.len()];
+        let mut new = Vec::new();
+        let placed = (0..group.len()).filter(|&k| places[k].is_some());
+        for (k, (partner, nis)) in placed.zip(association.partners.iter().zip(association.nearest))
+        {
+            match partner {
+                Some(landmark) => {
+                    found[k] = self.judge(*landmark, group[k].sight, &self.gate, &mut rows)?;
+                }
+                None if nis > self.new_landmark_gate => new.push(k),
+                None => found[k].verdict = SlamVerdict::Ambiguous(nis),
+            }
+        }
+        self.apply(&rows)?;
+        for outcome in &found {
+            if let Some(id) = outcome.landmark {
+                self.credit(id, outcome.accepted());
+            }
+        }
+        let known = self.entries.len();
+        for k in new {
+            found[k] = self.welcome_unnumbered(&group[k], known)?;
+        }
+        outcomes.extend(found);
+        Ok(())
+    }
+
+    /// A sighting that fits none of the first `known` landmarks; those beyond were born by others
+    /// of its group.
+    fn welcome_unnumbered(&mut self, sighting: &Sighting, known: usize) -> Result<SlamOutcome> {
+        // From the corrected pose.
+        let Some(place) = self.place(sighting) else { return Ok(UNPLACEABLE) };
+        let mut nearest = f64::INFINITY;
+        for landmark in known..self.entries.len() {
+            let outcome = self.judge(landmark, sighting.sight, &self.gate, &mut Vec::new())?;
+            nearest = nearest.min(outcome.nis().unwrap_or(f64::INFINITY));
+        }
+        if nearest <= self.new_landmark_gate {
+            return Ok(SlamOutcome { landmark: None, verdict: SlamVerdict::Ambiguous(nearest) });
+        }
+        self.enter(self.next_number, &place)
+    }
+
+    /// Puts a new landmark into the state, if there is room.
+    fn enter(&mut self, id: u32, place: &Place) -> Result<SlamOutcome> {
+        if self.entries.len() >= self.settings.map.most_landmarks {
+            return Ok(SlamOutcome { landmark: None, verdict: SlamVerdict::MapFull });
+        }
+        self.give_birth(id, place)?;
+        Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Born })
+    }
+
+    fn credit(&mut self, id: u32, accepted: bool) {
+        if let Some(&landmark) = self.numbers.get(&id) {
+            if accepted { self.praise(landmark) } else { self.blame(landmark, 1.0) }
+        }
+    }
+
+    fn apply(&mut self, rows: &[Row<3>]) -> Result<()> {
+        if !rows.is_empty() {
+            self.state.correct(rows)?;
+            let robot = self.state.robot_mut();
+            robot.z = angle::wrap(robot.z);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,112 @@
+//! What is known of landmarks beside their position: birth, confirmation, removal.
+
+use super::EkfSlam;
+use super::look::Place;
+use crate::Result;
+use loc_core::Pose2;
+use nalgebra::{Matrix2x3, Point2};
+
+/// A landmark of the state.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    pub(super) id: u32,
+    /// Its first estimate \[m\].
+    pub(super) first: Point2<f64>,
+    pub(super) sightings: u32,
+    /// How much speaks for it, see [`super::MapSettings`].
+    pub(super) score: f64,
+    pub(super) confirmed: bool,
+}
+
+/// How far the camera has been seen to see. Landmarks well within it should be seen again.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Reach {
+    range: f64,
+    bearing: f64,
+}
+
+/// A score that is not above this is none.
+const NO_SCORE: f64 = 1e-9;
+
+impl Reach {
+    /// The part of the view in which a landmark should be seen.
+    const MIDDLE: f64 = 0.7;
+    /// A provisional landmark that is farther away than this, in ranges, has had its chance.
+    const GONE: f64 = 1.5;
+
+    pub(super) fn include(&mut self, place: &Place) {
+        self.range = self.range.max(place.range);
+        self.bearing = self.bearing.max(place.bearing.abs());
+    }
+
+    fn should_see(&self, from_camera: &Point2<f64>) -> bool {
+        from_camera.coords.norm() < Self::MIDDLE * self.range
+            && from_camera.y.atan2(from_camera.x).abs() < Self::MIDDLE * self.bearing
+    }
+
+    fn has_left(&self, from_camera: &Point2<f64>) -> bool {
+        from_camera.coords.norm() > Self::GONE * self.range
+    }
+}
+
+impl EkfSlam {
+    /// Appends a landmark to the state, from where it was seen.
+    pub(super) fn give_birth(&mut self, id: u32, place: &Place) -> Result<()> {
+        let position = place.position;
+        // As the robot turns, what it sees moves at a right angle to the way there.
+        let from = match self.settings.jacobians {
+            super::Jacobians::Current => Pose2::from_vector(self.state.robot()),
+            super::Jacobians::First => self.anchor,
+        };
+        let (dx, dy) = (position.x - from.x, position.y - from.y);
+        let by_robot = Matrix2x3::new(1.0, 0.0, -dy, 0.0, 1.0, dx);
+        self.state.push(position, &by_robot, &place.noise(self))?;
+        self.numbers.insert(id, self.entries.len());
+        self.next_number = self.next_number.max(id.wrapping_add(1));
+        let confirmed = self.settings.map.confirm_score <= 1.0;
+        self.entries.push(Entry { id, first: position, sightings: 1, score: 1.0, confirmed });
+        Ok(())
+    }
+
+    /// A sighting has spoken for a landmark.
+    pub(super) fn praise(&mut self, landmark: usize) {
+        let (map, entry) = (&self.settings.map, &mut self.entries[landmark]);
+        entry.sightings = entry.sightings.saturating_add(1);
+        entry.score = (entry.score + 1.0).min(map.most_score);
+        entry.confirmed |= entry.score >= map.confirm_score;
+    }
+
+    /// A sighting has spoken against it.
+    pub(super) fn blame(&mut self, landmark: usize, cost: f64) {
+        self.entries[landmark].score -= cost;
+    }
+
+    /// Blames landmarks that should have been seen and were not, and removes those that no longer
+    /// have anything to speak for them.
+    pub(super) fn tidy(&mut self, seen: &[bool]) {
+        let camera = Pose2::from_vector(self.state.robot()) * self.settings.mounting;
+        let back = camera.inverse();
+        for index in 0..self.entries.len() {
+            let from_camera = back.transform(&self.state.position(index));
+            if seen.get(index).is_some_and(|seen| !seen) && self.reach.should_see(&from_camera) {
+                self.blame(index, self.settings.map.miss_cost);
+            }
+            if !self.entries[index].confirmed && self.reach.has_left(&from_camera) {
+                self.entries[index].score = 0.0;
+            }
+        }
+        self.remove_false();
+    }
+
+    /// Removes the landmarks without a score.
+    pub(super) fn remove_false(&mut self) {
+        let keep: Vec<bool> = self.entries.iter().map(|entry| entry.score > NO_SCORE).collect();
+        if keep.iter().all(|keep| *keep) {
+            return;
+        }
+        self.state.retain(&keep);
+        self.entries.retain(|entry| entry.score > NO_SCORE);
+        self.numbers =
+            self.entries.iter().enumerate().map(|(index, entry)| (entry.id, index)).collect();
+    }
+}

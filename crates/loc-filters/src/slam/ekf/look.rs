@@ -1,0 +1,146 @@
+//! One sighting held against one landmark of the state.
+
+use super::{EkfSlam, Jacobians};
+use crate::landmark::RangeBearingModel;
+use crate::slam::state::Row;
+use crate::{Gate, MeasurementModel, Result};
+use loc_core::angle;
+use loc_sensors::landmark_camera::{Sight, Sighting};
+use nalgebra::{Matrix1, Matrix2, Matrix2x3, Point2, RowVector2, RowVector3, Vector1, Vector2};
+
+use super::{SlamOutcome, SlamVerdict};
+
+/// Residual, derivatives and noise of distance and direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    pub(super) landmark: usize,
+    pub(super) residual: Vector2<f64>,
+    pub(super) by_robot: Matrix2x3<f64>,
+    pub(super) by_landmark: Matrix2<f64>,
+    pub(super) noise: Matrix2<f64>,
+}
+
+impl EkfSlam {
+    fn model(&self, landmark: Point2<f64>) -> RangeBearingModel {
+        let (mounting, noise) = (self.settings.mounting, self.settings.sight_noise);
+        RangeBearingModel { landmark, mounting, noise }
+    }
+
+    /// Holds a distance and a direction against a landmark. What is not measured may be any number.
+    pub(super) fn look(&self, landmark: usize, range: f64, bearing: f64) -> Look {
+        let model = self.model(self.state.position(landmark));
+        let expected = model.predict(self.state.robot());
+        let by_robot = match self.settings.jacobians {
+            Jacobians::Current => model.jacobian(self.state.robot()),
+            Jacobians::First => {
+                self.model(self.entries[landmark].first).jacobian(&self.anchor.to_vector())
+            }
+        };
+        Look {
+            landmark,
+            residual: Vector2::new(range - expected.x, angle::difference(bearing, expected.y)),
+            by_robot,
+            // Landmark and robot shifted alike look the same.
+            by_landmark: -by_robot.fixed_columns::<2>(0),
+            noise: model.noise(&expected),
+        }
+    }
+
+    /// `H_a P H_b^T` of two looks.
+    pub(super) fn covariance_between(&self, a: &Look, b: &Look) -> Matrix2<f64> {
+        let robot = self.state.robot_covariance();
+        let (with_a, with_b) = (self.state.cross(a.landmark), self.state.cross(b.landmark));
+        let map = self.state.block(a.landmark, b.landmark);
+        a.by_robot * (robot * b.by_robot.transpose() + with_b * b.by_landmark.transpose())
+            + a.by_landmark
+                * (with_a.transpose() * b.by_robot.transpose() + map * b.by_landmark.transpose())
+    }
+
+    /// The covariance of a look's innovation.
+    pub(super) fn innovation_covariance(&self, look: &Look) -> Matrix2<f64> {
+        self.covariance_between(look, look) + look.noise
+    }
+
+    /// Judges a sighting of a landmark; the rows of the correction are appended to `rows` where it
+    /// is believed.
+    pub(super) fn judge(
+        &self,
+        landmark: usize,
+        sight: Sight,
+        gate: &Gate,
+        rows: &mut Vec<Row<3>>,
+    ) -> Result<SlamOutcome> {
+        let (range, bearing) = (sight.range().unwrap_or(0.0), sight.bearing().unwrap_or(0.0));
+        let look = self.look(landmark, range, bearing);
+        let covariance = self.innovation_covariance(&look);
+        let one = |k: usize| {
+            let residual = Vector1::new(look.residual[k]);
+            self.state.innovation(residual, Matrix1::new(covariance[(k, k)]), gate)
+        };
+        let verdict = match sight {
+            Sight::RangeBearing { .. } => {
+                SlamVerdict::RangeBearing(self.state.innovation(look.residual, covariance, gate)?)
+            }
+            Sight::Range { .. } => SlamVerdict::Range(one(0)?),
+            Sight::Bearing { .. } => SlamVerdict::Bearing(one(1)?),
+        };
+        let outcome = SlamOutcome { landmark: Some(self.entries[landmark].id), verdict };
+        if outcome.accepted() {
+            let measured = [sight.range().is_some(), sight.bearing().is_some()];
+            rows.extend([0, 1].into_iter().filter(|&k| measured[k]).map(|k| look.row(k)));
+        }
+        Ok(outcome)
+    }
+
+    /// Where a sighting puts its landmark, from a robot that is right about itself \[m\]; `None`
+    /// where it has no place.
+    pub(super) fn place(&self, sighting: &Sighting) -> Option<Place> {
+        let Sight::RangeBearing { range, bearing } = sighting.sight else { return None };
+        if range < Place::NEAREST {
+            return None;
+        }
+        let robot = loc_core::Pose2::from_vector(self.state.robot());
+        let camera = robot * self.settings.mounting;
+        let (sin, cos) = bearing.sin_cos();
+        let position = camera.transform(&Point2::new(range * cos, range * sin));
+        Some(Place { range, bearing, direction: camera.theta + bearing, position })
+    }
+}
+
+/// A sighting with distance and direction, and where it puts its landmark.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub(super) range: f64,
+    pub(super) bearing: f64,
+    /// Direction from the camera, in the map \[rad\].
+    direction: f64,
+    pub(super) position: Point2<f64>,
+}
+
+impl Place {
+    /// Nearer than this \[m\] a landmark has no direction.
+    const NEAREST: f64 = 1e-3;
+
+    /// The sensor's part of the position's covariance, 2 x 2.
+    pub(super) fn noise(&self, slam: &EkfSlam) -> Matrix2<f64> {
+        let noise = slam.settings.sight_noise;
+        let (along, across) = (noise.range_sigma_at(self.range), noise.bearing_sigma * self.range);
+        let (sin, cos) = self.direction.sin_cos();
+        let axes = Matrix2::new(along * cos, -across * sin, along * sin, across * cos);
+        axes * axes.transpose()
+    }
+}
+
+impl Look {
+    fn row(&self, k: usize) -> Row<3> {
+        let (by_robot, by_landmark): (RowVector3<f64>, RowVector2<f64>) =
+            (self.by_robot.row(k).into(), self.by_landmark.row(k).into());
+        Row {
+            landmark: self.landmark,
+            by_robot: by_robot.transpose(),
+            by_landmark: [by_landmark.x, by_landmark.y],
+            residual: self.residual[k],
+            variance: self.noise[(k, k)],
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! EKF-SLAM with heading, distance and direction (I2, I3), numbered landmarks or not (I4).
+
+mod correct;
+mod entries;
+mod look;
+mod outcome;
+mod pairs;
+mod settings;
+
+pub use outcome::{MapLandmark, SlamOutcome, SlamVerdict};
+pub use settings::{Identities, Jacobians, MapSettings, SlamSettings};
+
+use super::state::LargeState;
+use crate::association::Associator;
+use crate::{Error, Gate, Result};
+use entries::{Entry, Reach};
+use loc_core::gaussian::check_covariance;
+use loc_core::{Gaussian, Pose2, Twist2};
+use nalgebra::DMatrix;
+use std::collections::BTreeMap;
+
+/// Extended Kalman filter over the robot's pose (x, y, theta) \[m, m, rad\] and the positions of
+/// all landmarks seen so far \[m\], in the frame of the start.
+///
+/// A landmark enters the state at its first sighting, from the pose of that moment. All sightings
+/// of one moment correct the state together, so that the covariance is read and written once.
+#[derive(Debug, Clone)]
+pub struct EkfSlam {
+    state: LargeState<3>,
+    settings: SlamSettings,
+    gate: Gate,
+    new_landmark_gate: f64,
+    associator: Associator,
+    /// What is known of each landmark beside its position, in the order of the state.
+    entries: Vec<Entry>,
+    /// Index of each number.
+    numbers: BTreeMap<u32, usize>,
+    next_number: u32,
+    /// The pose before the corrections of this moment: the first estimate of it.
+    anchor: Pose2,
+    reach: Reach,
+}
+
+impl EkfSlam {
+    /// A filter without landmarks, from a belief over (x, y, theta). The start may be certain:
+    /// then it is the origin that the map is drawn from.
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for a belief or settings that are not valid.
+    pub fn new(start: Gaussian<3>, settings: SlamSettings) -> Result<Self> {
+        settings.check()?;
+        let mut state = LargeState::new(start.mean, start.covariance)?;
+        state.robot_mut().z = loc_core::angle::wrap(start.mean.z);
+        Ok(EkfSlam {
+            state,
+            settings,
+            gate: Gate::probability(settings.association.gate_probability)?,
+            new_landmark_gate: settings.new_landmark_gate()?,
+            associator: Associator::new(settings.association)?,
+            entries: Vec::new(),
+            numbers: BTreeMap::new(),
+            next_number: 0,
+            anchor: start.pose(),
+            reach: Reach::default(),
+        })
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &SlamSettings {
+        &self.settings
+    }
+
+    /// Motions and corrections so far.
+    pub fn step(&self) -> u64 {
+        self.state.step()
+    }
+
+    /// Drives on with velocity `twist` for `dt` \[s\]: `S' = F S F^T + F_u S_u F_u^T`, which
+    /// touches the robot's rows only.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative time,
+    /// [`Error::LostPositivity`] where the covariance grows beyond all numbers.
+    pub fn predict(&mut self, twist: Twist2, dt: f64) -> Result<()> {
+        crate::innovation::finite("velocity", &twist.to_vector())?;
+        loc_core::error::non_negative("time step [s]", dt)?;
+        let SlamSettings { integration, motion_noise, .. } = self.settings;
+        let pose = Pose2::from_vector(self.state.robot());
+        let (moved, jacobians) = integration.step_with_jacobians(pose, twist, dt);
+        let (mut f, by_twist) = (jacobians.by_pose, jacobians.by_twist);
+        if self.settings.jacobians == Jacobians::First {
+            // From first estimate to first estimate, whatever was corrected between.
+            f[(0, 2)] = -(moved.y - self.anchor.y);
+            f[(1, 2)] = moved.x - self.anchor.x;
+        }
+        let noise = by_twist * motion_noise.covariance(twist, dt) * by_twist.transpose();
+        self.state.propagate(moved.to_vector(), &f, &noise)?;
+        self.anchor = moved;
+        Ok(())
+    }
+
+    /// What the filter believes about the robot's pose.
+    ///
+    /// # Errors
+    /// [`Error::LostPositivity`] for a covariance that is none, with the step.
+    pub fn pose(&self) -> Result<Gaussian<3>> {
+        let (mean, covariance) = (*self.state.robot(), *self.state.robot_covariance());
+        check_covariance("covariance of the robot", &covariance).map_err(|_| {
+            let found = format!("{:?}", covariance.as_slice());
+            Error::LostPositivity { what: "covariance of the robot", step: self.step(), found }
+        })?;
+        Ok(Gaussian { mean, covariance })
+    }
+
+    /// Number of landmarks in the state, provisional ones included.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// The landmarks in the order of the state.
+    pub fn landmarks(&self) -> impl Iterator<Item = MapLandmark> + '_ {
+        (0..self.entries.len()).map(|index| self.describe(index))
+    }
+
+    /// The landmark with a number.
+    pub fn landmark(&self, id: u32) -> Option<MapLandmark> {
+        self.numbers.get(&id).map(|&index| self.describe(index))
+    }
+
+    fn describe(&self, index: usize) -> MapLandmark {
+        let entry = &self.entries[index];
+        let (mean, covariance) =
+            (self.state.position(index).coords, self.state.block(index, index));
+        MapLandmark {
+            id: entry.id,
+            position: Gaussian { mean, covariance },
+            sightings: entry.sightings,
+            confirmed: entry.confirmed,
+        }
+    }
+
+    /// The whole covariance, (3 + 2 n) x (3 + 2 n): x, y, theta of the robot, then x, y of one
+    /// landmark after the other. It is checked by a factorisation, which takes a third of the cube
+    /// of its size in operations.
+    ///
+    /// # Errors
+    /// [`Error::LostPositivity`] for one that is not positive semi-definite, with the step.
+    pub fn covariance(&self) -> Result<DMatrix<f64>> {
+        self.state.checked_covariance()
+    }
+}

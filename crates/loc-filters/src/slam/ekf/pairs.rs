@@ -1,0 +1,83 @@
+//! Sightings without numbers, held against the landmarks of the state.
+
+use super::EkfSlam;
+use super::look::{Look, Place};
+use crate::association::{PairInnovation, Pairing};
+use nalgebra::{Matrix2, Vector2};
+
+/// The looks of all pairs that are not out of the question.
+pub(super) struct Pairs<'a> {
+    slam: &'a EkfSlam,
+    /// For each sighting its looks, in order of their landmarks.
+    looks: Vec<Vec<Look>>,
+}
+
+impl<'a> Pairs<'a> {
+    pub(super) fn new(slam: &'a EkfSlam, places: &[Place]) -> Self {
+        let near = |place: &Place| {
+            let bound = Bound::new(slam, place);
+            let landmarks = 0..slam.entries.len();
+            let near = landmarks.filter(|&landmark| bound.allows(slam, place, landmark));
+            near.map(|landmark| slam.look(landmark, place.range, place.bearing)).collect()
+        };
+        Pairs { slam, looks: places.iter().map(near).collect() }
+    }
+
+    fn look(&self, (sighting, landmark): (usize, usize)) -> Option<&Look> {
+        let looks = &self.looks[sighting];
+        let index = looks.binary_search_by_key(&landmark, |look| look.landmark).ok()?;
+        looks.get(index)
+    }
+}
+
+impl Pairing<2> for Pairs<'_> {
+    fn sightings(&self) -> usize {
+        self.looks.len()
+    }
+
+    fn landmarks(&self) -> usize {
+        self.slam.entries.len()
+    }
+
+    fn innovation(&self, sighting: usize, landmark: usize) -> Option<PairInnovation<2>> {
+        let look = self.look((sighting, landmark))?;
+        let covariance = self.slam.innovation_covariance(look);
+        Some(PairInnovation { residual: look.residual, covariance })
+    }
+
+    fn cross_covariance(&self, a: (usize, usize), b: (usize, usize)) -> Matrix2<f64> {
+        match (self.look(a), self.look(b)) {
+            (Some(a), Some(b)) => self.slam.covariance_between(a, b),
+            _ => Matrix2::zeros(),
+        }
+    }
+}
+
+/// A cheap bound on how far from a landmark it may be seen, so that most pairs need no more than
+/// the distance between two points.
+struct Bound {
+    /// Largest variance that robot and sensor can give the place \[m^2\].
+    variance: f64,
+    /// The NIS that still matters.
+    gate: f64,
+}
+
+impl Bound {
+    /// Distance and direction are curved coordinates; the bound must hold in them too.
+    const SLACK: f64 = 2.0;
+
+    fn new(slam: &EkfSlam, place: &Place) -> Self {
+        let p = slam.state.robot_covariance();
+        let robot: Vector2<f64> = slam.state.robot().xy();
+        let squared = (place.position.coords - robot).norm_squared();
+        let variance = p.m11 + p.m22 + squared * p.m33 + place.noise(slam).trace();
+        Bound { variance, gate: slam.new_landmark_gate }
+    }
+
+    /// The variance of a difference is at most twice the sum of both.
+    fn allows(&self, slam: &EkfSlam, place: &Place, landmark: usize) -> bool {
+        let own = slam.state.block(landmark, landmark);
+        let squared = (place.position - slam.state.position(landmark)).norm_squared();
+        squared <= Self::SLACK * self.gate * 2.0 * (self.variance + own.m11 + own.m22)
+    }
+}

@@ -1,0 +1,126 @@
+//! The settings of EKF-SLAM.
+
+use crate::association::AssociationSettings;
+use crate::{Gate, Result};
+use loc_core::Pose2;
+use loc_core::error::{finite, in_range, non_negative, positive};
+use loc_core::motion::{Integration, VelocityNoise};
+use loc_sensors::landmark_camera::LandmarkNoise;
+
+/// Where the numbers of landmarks come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Identities {
+    /// They are read off the landmarks (I2, I3).
+    #[default]
+    Known,
+    /// They mean nothing: the filter finds out itself which landmark was seen (I4).
+    Unknown,
+}
+
+/// Where the models are linearised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Jacobians {
+    /// At the current estimate, as the textbook has it. A filter that linearises the same landmark
+    /// at several places believes that it has learned which way north is, which nobody can tell it.
+    #[default]
+    Current,
+    /// At the first estimate of each pose and landmark (Huang, Mourikis and Roumeliotis 2008),
+    /// which leaves what cannot be observed unobserved.
+    First,
+}
+
+/// What becomes of landmarks in the map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct MapSettings {
+    /// The map takes no more landmarks than this; its covariance has twice the square of it in
+    /// numbers.
+    pub most_landmarks: usize,
+    /// A landmark is provisional until its score has come to this. It begins with 1, a sighting
+    /// adds 1, one that contradicts it takes 1 away; a landmark whose score is no longer above 0
+    /// is removed.
+    pub confirm_score: f64,
+    /// The score grows no further than this.
+    pub most_score: f64,
+    /// What is taken from the score when a landmark in the middle of the view is not seen. Without
+    /// numbers on landmarks only.
+    pub miss_cost: f64,
+    /// A sighting that fits no landmark is a new one where right sightings of the known ones lie
+    /// that far out with a probability of less than 1 minus this.
+    pub new_landmark_probability: f64,
+}
+
+impl Default for MapSettings {
+    fn default() -> Self {
+        MapSettings {
+            most_landmarks: 3000,
+            confirm_score: 3.0,
+            most_score: 10.0,
+            miss_cost: 0.2,
+            new_landmark_probability: 0.9999,
+        }
+    }
+}
+
+/// All that EKF-SLAM can be told, with defaults that serve a small indoor robot.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct SlamSettings {
+    /// Rule that turns velocities into poses.
+    pub integration: Integration,
+    /// How far odometry may be off.
+    pub motion_noise: VelocityNoise,
+    /// How far sightings may be off.
+    pub sight_noise: LandmarkNoise,
+    /// The camera's pose on the robot, `base_from_camera`.
+    pub mounting: Pose2,
+    /// Whether landmarks can be told apart by their numbers.
+    pub identities: Identities,
+    /// How they are told apart where they cannot; its gate also turns wrong sightings of numbered
+    /// landmarks away.
+    pub association: AssociationSettings,
+    /// Where the models are linearised.
+    pub jacobians: Jacobians,
+    /// What becomes of landmarks in the map.
+    pub map: MapSettings,
+}
+
+impl SlamSettings {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for noise without a sigma, probabilities outside (0, 1],
+    /// and values that are negative or not finite.
+    pub fn check(&self) -> Result<()> {
+        self.sight_noise.check()?;
+        positive("sigma of the range [m]", self.sight_noise.range_sigma)?;
+        positive("sigma of the bearing [rad]", self.sight_noise.bearing_sigma)?;
+        self.motion_noise.check()?;
+        for value in [self.mounting.x, self.mounting.y, self.mounting.theta] {
+            finite("mounting of the camera [m, m, rad]", value)?;
+        }
+        let map = &self.map;
+        in_range(
+            "most score of a landmark",
+            "at least the score to confirm",
+            map.most_score,
+            |s| s.is_finite() && s >= map.confirm_score,
+        )?;
+        positive("score that confirms a landmark", map.confirm_score)?;
+        non_negative("cost of not seeing a landmark", map.miss_cost)?;
+        self.new_landmark_gate()?;
+        Gate::probability(self.association.gate_probability)?;
+        Ok(())
+    }
+
+    /// The NIS beyond which a sighting is one of something new.
+    pub(super) fn new_landmark_gate(&self) -> Result<f64> {
+        Ok(Gate::probability(self.map.new_landmark_probability)?.threshold(2))
+    }
+}

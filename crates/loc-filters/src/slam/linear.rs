@@ -1,0 +1,203 @@
+//! Linear Kalman SLAM: a robot that slides in the plane and never turns (I1).
+
+use super::state::{LargeState, Row};
+use crate::{Gate, Innovation, Result};
+use loc_core::Gaussian;
+use loc_core::error::{non_negative, positive};
+use nalgebra::{DMatrix, Matrix2, Point2, Vector2};
+use std::collections::BTreeMap;
+
+/// What linear SLAM can be told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct LinearSlamSettings {
+    /// Variance of the way driven along each axis, per metre of it \[m^2/m\].
+    pub k_d: f64,
+    /// Standard deviation of a landmark's relative position, along each axis \[m\].
+    pub sight_sigma: f64,
+    /// Share of right sightings that the gate lets pass, 1 for no gate.
+    pub gate_probability: f64,
+    /// The map takes no more landmarks than this.
+    pub most_landmarks: usize,
+}
+
+impl Default for LinearSlamSettings {
+    /// 5 cm after 1 m, 5 cm in a sighting.
+    fn default() -> Self {
+        LinearSlamSettings {
+            k_d: 0.0025,
+            sight_sigma: 0.05,
+            gate_probability: 0.999,
+            most_landmarks: 3000,
+        }
+    }
+}
+
+/// A numbered landmark as the robot sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RelativeSighting {
+    /// Its number.
+    pub landmark: u32,
+    /// Where it is from the robot, along the axes of the map \[m\].
+    pub offset: Vector2<f64>,
+}
+
+/// Kalman filter over the robot's position (x, y) and the positions of all landmarks seen so far
+/// \[m\]. Everything in it is linear, so its covariance is right, not only nearly.
+///
+/// ```
+/// use loc_core::Gaussian;
+/// use loc_filters::slam::{LinearSlam, LinearSlamSettings, RelativeSighting};
+/// use nalgebra::Vector2;
+/// let start = Gaussian::certain(Vector2::zeros());
+/// let mut slam = LinearSlam::new(start, LinearSlamSettings::default())?;
+/// let see = |x| RelativeSighting { landmark: 1, offset: Vector2::new(x, 2.0) };
+/// slam.correct(&[see(3.0)])?;
+/// slam.predict(Vector2::new(1.0, 0.0), 1.0)?;
+/// slam.correct(&[see(2.1)])?;
+/// assert!(slam.robot().mean.x < 1.0 && slam.landmark(1).unwrap().mean.x > 3.0);
+/// # Ok::<(), loc_filters::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct LinearSlam {
+    state: LargeState<2>,
+    settings: LinearSlamSettings,
+    gate: Gate,
+    numbers: BTreeMap<u32, usize>,
+}
+
+impl LinearSlam {
+    /// A filter without landmarks, from a belief about the robot's position \[m\].
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for a belief or settings that are not valid.
+    pub fn new(start: Gaussian<2>, settings: LinearSlamSettings) -> Result<Self> {
+        non_negative("k_d [m^2/m]", settings.k_d)?;
+        positive("sigma of a sighting [m]", settings.sight_sigma)?;
+        let gate = Gate::probability(settings.gate_probability)?;
+        let state = LargeState::new(start.mean, start.covariance)?;
+        Ok(LinearSlam { state, settings, gate, numbers: BTreeMap::new() })
+    }
+
+    /// Slides on with a velocity (vx, vy) \[m/s\] for `dt` \[s\]: `A = I`, `B = T I`, and a variance
+    /// of `k_d |v_i| T` along each axis.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative
+    /// time.
+    pub fn predict(&mut self, velocity: Vector2<f64>, dt: f64) -> Result<()> {
+        crate::innovation::finite("velocity", &velocity)?;
+        let way = velocity * non_negative("time step [s]", dt)?;
+        let noise = Matrix2::from_diagonal(&(self.settings.k_d * way.abs()));
+        self.state.propagate(self.state.robot() + way, &Matrix2::identity(), &noise)
+    }
+
+    /// Corrects with sightings of one moment, any number of them. For each the innovation; `None`
+    /// for one that put a new landmark into the map, or that a full map has no room for.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFinite`] for a sighting: none is then used.
+    /// [`crate::Error::LostPositivity`], with the step: the filter cannot go on.
+    pub fn correct(
+        &mut self,
+        sightings: &[RelativeSighting],
+    ) -> Result<Vec<Option<Innovation<2>>>> {
+        for sighting in sightings {
+            crate::innovation::finite("position of a landmark", &sighting.offset)?;
+        }
+        let mut innovations = Vec::with_capacity(sightings.len());
+        for group in sightings.chunks(crate::association::AssociationSettings::GROUP) {
+            let mut rows = Vec::with_capacity(2 * group.len());
+            let mut new = Vec::new();
+            for sighting in group {
+                let known = self.numbers.get(&sighting.landmark).copied();
+                innovations.push(known.map(|k| self.judge(k, sighting, &mut rows)).transpose()?);
+                if known.is_none() {
+                    new.push((innovations.len() - 1, *sighting));
+                }
+            }
+            if !rows.is_empty() {
+                self.state.correct(&rows)?;
+            }
+            for (place, sighting) in new {
+                innovations[place] = self.welcome(&sighting)?;
+            }
+        }
+        Ok(innovations)
+    }
+
+    fn judge(
+        &self,
+        landmark: usize,
+        sighting: &RelativeSighting,
+        rows: &mut Vec<Row<2>>,
+    ) -> Result<Innovation<2>> {
+        let expected = self.state.position(landmark).coords - self.state.robot();
+        let residual = sighting.offset - expected;
+        let variance = self.settings.sight_sigma.powi(2);
+        let cross = self.state.cross(landmark);
+        let covariance = self.state.robot_covariance() + self.state.block(landmark, landmark)
+            - cross
+            - cross.transpose()
+            + Matrix2::identity() * variance;
+        let innovation = self.state.innovation(residual, covariance, &self.gate)?;
+        if innovation.accepted {
+            rows.extend([0, 1].map(|axis| {
+                let along = Vector2::ith(axis, 1.0);
+                let by_landmark = [along.x, along.y];
+                let residual = residual[axis];
+                Row { landmark, by_robot: -along, by_landmark, residual, variance }
+            }));
+        }
+        Ok(innovation)
+    }
+
+    /// A sighting of a number that the state did not have when its group began.
+    fn welcome(&mut self, sighting: &RelativeSighting) -> Result<Option<Innovation<2>>> {
+        if let Some(&landmark) = self.numbers.get(&sighting.landmark) {
+            let mut rows = Vec::with_capacity(2);
+            let innovation = self.judge(landmark, sighting, &mut rows)?;
+            if !rows.is_empty() {
+                self.state.correct(&rows)?;
+            }
+            return Ok(Some(innovation));
+        }
+        if self.state.len() < self.settings.most_landmarks {
+            let position = Point2::from(self.state.robot() + sighting.offset);
+            let noise = Matrix2::identity() * self.settings.sight_sigma.powi(2);
+            self.state.push(position, &Matrix2::identity(), &noise)?;
+            self.numbers.insert(sighting.landmark, self.state.len() - 1);
+        }
+        Ok(None)
+    }
+
+    /// What the filter believes about the robot's position \[m\].
+    pub fn robot(&self) -> Gaussian<2> {
+        Gaussian { mean: *self.state.robot(), covariance: *self.state.robot_covariance() }
+    }
+
+    /// What it believes about the landmark with a number \[m\].
+    pub fn landmark(&self, id: u32) -> Option<Gaussian<2>> {
+        self.numbers.get(&id).map(|&index| self.describe(index))
+    }
+
+    /// The landmarks in order of their numbers.
+    pub fn landmarks(&self) -> impl Iterator<Item = (u32, Gaussian<2>)> + '_ {
+        self.numbers.iter().map(|(&id, &index)| (id, self.describe(index)))
+    }
+
+    fn describe(&self, index: usize) -> Gaussian<2> {
+        let mean = self.state.position(index).coords;
+        Gaussian { mean, covariance: self.state.block(index, index) }
+    }
+
+    /// The whole covariance, (2 + 2 n) x (2 + 2 n), the robot first, then the landmarks in the
+    /// order in which they were first seen.
+    ///
+    /// # Errors
+    /// [`crate::Error::LostPositivity`] for one that is not positive semi-definite, with the step.
+    pub fn covariance(&self) -> Result<DMatrix<f64>> {
+        self.state.checked_covariance()
+    }
+}

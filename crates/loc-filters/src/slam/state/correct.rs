@@ -1,0 +1,156 @@
+//! The correction of robot and map by any number of measured numbers at once.
+
+use super::{LargeState, kernel};
+use crate::{Error, Result};
+use loc_core::gaussian::check_covariance;
+use nalgebra::{SMatrix, SVector};
+
+/// One measured number, and how it depends on the robot and on one landmark.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::slam) struct Row<const R: usize> {
+    pub(in crate::slam) landmark: usize,
+    /// Derivatives over the robot's numbers.
+    pub(in crate::slam) by_robot: SVector<f64, R>,
+    /// Derivatives over x and y of the landmark.
+    pub(in crate::slam) by_landmark: [f64; 2],
+    /// What was measured minus what was expected.
+    pub(in crate::slam) residual: f64,
+    /// Variance of the measurement, independent of all others.
+    pub(in crate::slam) variance: f64,
+}
+
+/// What a correction did, with `m` rows: `S = H P H^T + R = L L^T`, `W = P H^T L^-T`. The mean has
+/// gone by `W L^-1 r`, the covariance by `-W W^T`.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::slam) struct Correction<const R: usize> {
+    /// Rows of L up to their diagonal.
+    pub(in crate::slam) factor: Vec<Vec<f64>>,
+    /// `L^-1 r`.
+    pub(in crate::slam) whitened: Vec<f64>,
+    /// The robot's rows of W, one column after the other.
+    pub(in crate::slam) robot_gain: Vec<SVector<f64, R>>,
+    /// The map's rows of W, one column after the other.
+    pub(in crate::slam) map_gain: Vec<f64>,
+}
+
+impl<const R: usize> LargeState<R> {
+    /// Corrects with all rows together: one pass over the covariance, whose every element is read
+    /// and written once for every four rows.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for the state, [`Error::LostPositivity`] for any part of the covariance;
+    /// the state is then as it was.
+    pub(in crate::slam) fn correct(&mut self, rows: &[Row<R>]) -> Result<Correction<R>> {
+        let step = self.step + 1;
+        let mut correction = self.project(rows)?;
+        correction.solve();
+        let Correction { whitened, robot_gain, map_gain, .. } = &correction;
+        let robot = robot_gain.iter().zip(whitened).fold(self.robot, |sum, (w, y)| sum + w * *y);
+        crate::innovation::finite("corrected state of the robot", &robot)?;
+        let gone: SMatrix<f64, R, R> = robot_gain.iter().map(|w| w * w.transpose()).sum();
+        let robot_covariance = self.robot_covariance - gone;
+        check_covariance("covariance of the robot", &robot_covariance)
+            .map_err(|_| self.lost("covariance of the robot", step, robot_covariance.as_slice()))?;
+        let diagonal = self.triangle.diagonal_minus(map_gain, map_gain);
+        if let Some(block) = diagonal.iter().find(|block| !is_positive(block)) {
+            return Err(self.lost("covariance (xx, xy, yy) of a landmark", step, block));
+        }
+        self.step = step;
+        self.robot = robot;
+        self.robot_covariance = robot_covariance;
+        let columns = map_gain.chunks_exact(self.map.len().max(1));
+        for ((column, y), robot) in columns.zip(whitened).zip(robot_gain) {
+            kernel::add_scaled(&mut self.map, *y, column);
+            for r in 0..R {
+                kernel::add_scaled(&mut self.cross[r], -robot[r], column);
+            }
+        }
+        self.triangle.subtract(map_gain, map_gain, diagonal);
+        Ok(correction)
+    }
+
+    /// `P H^T` in place of the gains, the factor of S, and the residuals.
+    fn project(&self, rows: &[Row<R>]) -> Result<Correction<R>> {
+        let length = self.map.len();
+        let mut map_gain = vec![0.0; rows.len() * length];
+        let mut robot_gain = Vec::with_capacity(rows.len());
+        let [mut x, mut y] = [0, 1].map(|_| vec![0.0; length]);
+        let mut gathered = None;
+        for (row, column) in rows.iter().zip(map_gain.chunks_exact_mut(length.max(1))) {
+            if gathered != Some(row.landmark) {
+                self.triangle.columns(row.landmark, &mut x, &mut y);
+                gathered = Some(row.landmark);
+            }
+            for r in 0..R {
+                kernel::add_scaled(column, row.by_robot[r], &self.cross[r]);
+            }
+            kernel::add_scaled(column, row.by_landmark[0], &x);
+            kernel::add_scaled(column, row.by_landmark[1], &y);
+            let cross = self.cross(row.landmark);
+            let by_landmark = nalgebra::Vector2::from(row.by_landmark);
+            robot_gain.push(self.robot_covariance * row.by_robot + cross * by_landmark);
+        }
+        let factor = factorize(rows, &robot_gain, &map_gain, length, self.step)?;
+        let whitened = rows.iter().map(|row| row.residual).collect();
+        Ok(Correction { factor, whitened, robot_gain, map_gain })
+    }
+}
+
+impl<const R: usize> Correction<R> {
+    /// Multiplies by `L^-T`, and the residuals by `L^-1`.
+    fn solve(&mut self) {
+        let length = self.map_gain.len() / self.factor.len().max(1);
+        for (j, row) in self.factor.iter().enumerate() {
+            let (before, column) = self.map_gain.split_at_mut(j * length);
+            let column = &mut column[..length];
+            for (k, factor) in row[..j].iter().enumerate() {
+                kernel::add_scaled(column, -factor, &before[k * length..(k + 1) * length]);
+                self.robot_gain[j] = self.robot_gain[j] - self.robot_gain[k] * *factor;
+                self.whitened[j] -= factor * self.whitened[k];
+            }
+            let inverse = 1.0 / row[j];
+            column.iter_mut().for_each(|value| *value *= inverse);
+            self.robot_gain[j] *= inverse;
+            self.whitened[j] *= inverse;
+        }
+    }
+}
+
+/// The Cholesky factor of `S = H P H^T + R`, row by row, from `P H^T`.
+fn factorize<const R: usize>(
+    rows: &[Row<R>],
+    robot: &[SVector<f64, R>],
+    map: &[f64],
+    length: usize,
+    step: u64,
+) -> Result<Vec<Vec<f64>>> {
+    let mut factor: Vec<Vec<f64>> = Vec::with_capacity(rows.len());
+    for (i, row) in rows.iter().enumerate() {
+        let mut new = Vec::with_capacity(i + 1);
+        for j in 0..=i {
+            let of_landmark = &map[j * length + 2 * row.landmark..];
+            let mut s = row.by_robot.dot(&robot[j])
+                + row.by_landmark[0] * of_landmark[0]
+                + row.by_landmark[1] * of_landmark[1];
+            let before = factor.get(j).unwrap_or(&new);
+            s -= before.iter().zip(&new).take(j).map(|(a, b)| a * b).sum::<f64>();
+            if i != j {
+                new.push(s / before[j]);
+                continue;
+            }
+            let pivot = s + row.variance;
+            if !(pivot > 0.0 && pivot.is_finite()) {
+                let found = format!("the pivot {pivot} in row {i}");
+                return Err(Error::LostPositivity { what: "innovation covariance", step, found });
+            }
+            new.push(pivot.sqrt());
+        }
+        factor.push(new);
+    }
+    Ok(factor)
+}
+
+/// Whether a block (xx, xy, yy) is positive semi-definite, up to rounding.
+fn is_positive(&[xx, xy, yy]: &[f64; 3]) -> bool {
+    xx >= 0.0 && yy >= 0.0 && (xy * xy) <= xx * yy * (1.0 + 1e-9) && xy.is_finite()
+}

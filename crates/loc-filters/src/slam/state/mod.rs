@@ -1,0 +1,201 @@
+//! The state of SLAM: a robot of `R` numbers and any number of landmarks in the plane.
+//!
+//! The covariance has three parts, after how they are used: the robot's own block, its rows with
+//! the map, which motion touches, and the map's triangle, which only corrections touch.
+
+mod correct;
+pub(super) mod kernel;
+mod triangle;
+
+pub(super) use correct::Row;
+pub(super) use triangle::Triangle;
+
+use crate::{Error, Gate, Innovation, Result};
+use loc_core::gaussian::check_covariance;
+use nalgebra::{Cholesky, DMatrix, Matrix2, Point2, SMatrix, SVector};
+
+/// Mean and covariance of robot and map.
+#[derive(Debug, Clone)]
+pub(super) struct LargeState<const R: usize> {
+    robot: SVector<f64, R>,
+    robot_covariance: SMatrix<f64, R, R>,
+    /// x and y of one landmark after the other.
+    map: Vec<f64>,
+    /// Of each of the robot's numbers its covariances with the map.
+    cross: [Vec<f64>; R],
+    triangle: Triangle,
+    /// Motions and corrections so far.
+    step: u64,
+}
+
+impl<const R: usize> LargeState<R> {
+    /// A robot without a map.
+    pub(super) fn new(robot: SVector<f64, R>, covariance: SMatrix<f64, R, R>) -> Result<Self> {
+        crate::innovation::finite("state of the robot", &robot)?;
+        check_covariance("covariance of the robot", &covariance)?;
+        Ok(LargeState {
+            robot,
+            robot_covariance: covariance,
+            map: Vec::new(),
+            cross: std::array::from_fn(|_| Vec::new()),
+            triangle: Triangle::default(),
+            step: 0,
+        })
+    }
+
+    /// Number of landmarks.
+    pub(super) fn len(&self) -> usize {
+        self.triangle.len()
+    }
+
+    pub(super) fn step(&self) -> u64 {
+        self.step
+    }
+
+    pub(super) fn robot(&self) -> &SVector<f64, R> {
+        &self.robot
+    }
+
+    pub(super) fn robot_mut(&mut self) -> &mut SVector<f64, R> {
+        &mut self.robot
+    }
+
+    pub(super) fn robot_covariance(&self) -> &SMatrix<f64, R, R> {
+        &self.robot_covariance
+    }
+
+    pub(super) fn position(&self, landmark: usize) -> Point2<f64> {
+        Point2::new(self.map[2 * landmark], self.map[2 * landmark + 1])
+    }
+
+    /// Covariance of two landmarks, or of one.
+    pub(super) fn block(&self, i: usize, j: usize) -> Matrix2<f64> {
+        self.triangle.block(i, j)
+    }
+
+    /// Covariance of the robot and a landmark, R x 2.
+    pub(super) fn cross(&self, landmark: usize) -> SMatrix<f64, R, 2> {
+        SMatrix::from_fn(|r, c| self.cross[r][2 * landmark + c])
+    }
+
+    /// Moves the robot: `P_rr' = F P_rr F^T + Q`, `P_rm' = F P_rm`.
+    pub(super) fn propagate(
+        &mut self,
+        moved: SVector<f64, R>,
+        f: &SMatrix<f64, R, R>,
+        noise: &SMatrix<f64, R, R>,
+    ) -> Result<()> {
+        crate::innovation::finite("predicted state of the robot", &moved)?;
+        let covariance = f * self.robot_covariance * f.transpose() + noise;
+        if !covariance.iter().all(|value| value.is_finite()) {
+            return Err(self.lost("covariance of the robot", self.step + 1, covariance.as_slice()));
+        }
+        self.step += 1;
+        self.robot = moved;
+        self.robot_covariance = 0.5 * (covariance + covariance.transpose());
+        for column in 0..self.map.len() {
+            let before = SVector::<f64, R>::from_fn(|r, _| self.cross[r][column]);
+            let after = f * before;
+            for r in 0..R {
+                self.cross[r][column] = after[r];
+            }
+        }
+        Ok(())
+    }
+
+    /// Appends a landmark at `position`, which follows from the robot by `by_robot`, 2 x R, with
+    /// independent noise of its own.
+    pub(super) fn push(
+        &mut self,
+        position: Point2<f64>,
+        by_robot: &SMatrix<f64, 2, R>,
+        noise: &Matrix2<f64>,
+    ) -> Result<()> {
+        crate::innovation::finite("position of a new landmark", &position.coords)?;
+        let with_robot = by_robot * self.robot_covariance;
+        let own = with_robot * by_robot.transpose() + noise;
+        check_covariance("covariance of a new landmark", &own)?;
+        let [mut x, mut y] = [0, 1].map(|_| vec![0.0; self.map.len()]);
+        for r in 0..R {
+            kernel::add_scaled(&mut x, by_robot[(0, r)], &self.cross[r]);
+            kernel::add_scaled(&mut y, by_robot[(1, r)], &self.cross[r]);
+            self.cross[r].extend([with_robot[(0, r)], with_robot[(1, r)]]);
+        }
+        self.triangle.push(&x, &y, &own);
+        self.map.extend([position.x, position.y]);
+        Ok(())
+    }
+
+    /// Keeps the landmarks for which `keep` holds; the belief about the others is as it was.
+    pub(super) fn retain(&mut self, keep: &[bool]) {
+        self.triangle.retain(keep);
+        for vector in self.cross.iter_mut().chain([&mut self.map]) {
+            let mut element = 0..;
+            vector.retain(|_| element.next().is_some_and(|k: usize| keep[k / 2]));
+        }
+    }
+
+    /// The whole covariance, (R + 2 n) x (R + 2 n), the robot first.
+    pub(super) fn covariance(&self) -> DMatrix<f64> {
+        let size = R + self.map.len();
+        let mut whole = DMatrix::zeros(size, size);
+        whole.fixed_view_mut::<R, R>(0, 0).copy_from(&self.robot_covariance);
+        for i in 0..self.len() {
+            let cross = self.cross(i);
+            whole.fixed_view_mut::<R, 2>(0, R + 2 * i).copy_from(&cross);
+            whole.fixed_view_mut::<2, R>(R + 2 * i, 0).copy_from(&cross.transpose());
+            for j in 0..self.len() {
+                whole.fixed_view_mut::<2, 2>(R + 2 * i, R + 2 * j).copy_from(&self.block(i, j));
+            }
+        }
+        whole
+    }
+
+    /// The same, checked as [`check_covariance`] does it: at the scale of each variance, up to
+    /// rounding.
+    pub(super) fn checked_covariance(&self) -> Result<DMatrix<f64>> {
+        let whole = self.covariance();
+        let scales = whole.diagonal().map(|variance| variance.max(f64::MIN_POSITIVE).sqrt());
+        let mut correlations = whole.clone();
+        for (k, mut column) in correlations.column_iter_mut().enumerate() {
+            column.component_div_assign(&scales);
+            column /= scales[k];
+            column[k] = 1.0 + 1e-9;
+        }
+        if whole.diagonal().iter().all(|variance| *variance >= 0.0)
+            && Cholesky::new(correlations).is_some()
+        {
+            return Ok(whole);
+        }
+        let diagonal: Vec<f64> = whole.diagonal().iter().copied().collect();
+        Err(self.lost("whole covariance, with the diagonal", self.step, &diagonal))
+    }
+
+    /// Holds a residual against its covariance. The noise of a sensor is positive, so that a
+    /// covariance which is not has lost it in the state.
+    pub(super) fn innovation<const M: usize>(
+        &self,
+        residual: SVector<f64, M>,
+        covariance: SMatrix<f64, M, M>,
+        gate: &Gate,
+    ) -> Result<Innovation<M>> {
+        match Innovation::new(residual, covariance, gate) {
+            Ok((innovation, _)) => Ok(innovation),
+            Err(error) => Err(self.blamed(error)),
+        }
+    }
+
+    /// An error of an innovation's covariance as one of the state.
+    pub(super) fn blamed(&self, error: Error) -> Error {
+        match error {
+            Error::Core(loc_core::Error::NotACovariance { what, found, .. }) => {
+                Error::LostPositivity { what, step: self.step, found }
+            }
+            other => other,
+        }
+    }
+
+    fn lost(&self, what: &'static str, step: u64, found: &[f64]) -> Error {
+        Error::LostPositivity { what, step, found: format!("{found:?}") }
+    }
+}

@@ -1,0 +1,5 @@
+//! Markov localization (F5, K1).
+
+mod discrete;
+mod kernel;
+mod line;

@@ -1,0 +1,5 @@
+mod bad_input;
+mod consistency;
+mod linear;
+mod reference;
+mod unknown;

@@ -1,0 +1,83 @@
+//! Landmarks without numbers (I4).
+
+use loc_core::random::stream;
+use loc_core::{Gaussian, Pose2, Twist2};
+use loc_filters::association::{AssociationSettings, Rule};
+use loc_filters::slam::{EkfSlam, Identities, SlamSettings, SlamVerdict};
+use loc_sensors::landmark_camera::{LandmarkCamera, Sight, Sighting};
+use loc_sensors::world::Landmarks;
+
+const PLACES: [[f64; 2]; 9] = [
+    [4.0, 1.0],
+    [6.0, 3.5],
+    [5.5, 6.0],
+    [2.0, 7.5],
+    [-1.0, 6.0],
+    [-3.0, 3.0],
+    [-2.0, 0.0],
+    [1.0, -2.0],
+    [1.5, 3.0],
+];
+
+fn unknown(rule: Rule) -> EkfSlam {
+    let association = AssociationSettings { rule, ..Default::default() };
+    let settings =
+        SlamSettings { identities: Identities::Unknown, association, ..Default::default() };
+    EkfSlam::new(Gaussian::certain(Pose2::IDENTITY.to_vector()), settings).unwrap()
+}
+
+#[test]
+fn two_rounds_find_every_landmark_once() {
+    let mut number = 0..;
+    let world = Landmarks::from(PLACES.map(|place| (number.next().unwrap_or(0), place)));
+    let camera = LandmarkCamera { max_range: 4.0, fov: 2.8, ..LandmarkCamera::default() };
+    for rule in [Rule::NearestNeighbor, Rule::MaximumLikelihood, Rule::JointCompatibility] {
+        let mut slam = unknown(rule);
+        let mut rng = stream(1, "camera");
+        let twist = Twist2::forward(0.5, 0.5 / 3.0);
+        let mut truth = Pose2::IDENTITY;
+        for _ in 0..380 {
+            // Odometry reports a little too much.
+            truth = slam.settings().integration.step(truth, twist, 0.2);
+            slam.predict(Twist2::forward(0.51, 0.51 / 3.0), 0.2).unwrap();
+            let mut seen = camera.observe(&world, truth, &mut rng);
+            seen.iter_mut().for_each(|sighting| sighting.landmark = 0);
+            slam.correct(&seen).unwrap();
+        }
+        assert_eq!(slam.len(), PLACES.len(), "{rule:?}");
+        for landmark in slam.landmarks() {
+            let off = |place: &[f64; 2]| {
+                (landmark.position.mean - nalgebra::Vector2::from(*place)).norm()
+            };
+            let nearest = PLACES.iter().map(off).fold(f64::INFINITY, f64::min);
+            assert!(landmark.confirmed && nearest < 0.3, "{rule:?} {landmark:?} {nearest}");
+        }
+        assert!(slam.pose().unwrap().pose().distance(truth) < 0.3);
+    }
+}
+
+#[test]
+fn what_is_seen_once_and_never_again_is_removed() {
+    let mut slam = unknown(Rule::JointCompatibility);
+    let see =
+        |range, bearing| Sighting { landmark: 0, sight: Sight::RangeBearing { range, bearing } };
+    let real = [see(3.0, 0.5), see(4.0, -0.5), see(2.0, 0.9)];
+    for _ in 0..4 {
+        slam.correct(&real).unwrap();
+    }
+    let ghost = slam.correct(&[see(2.0, 0.0)]).unwrap()[0];
+    assert_eq!(ghost.verdict, SlamVerdict::Born);
+    let id = ghost.landmark.unwrap();
+    assert!(!slam.landmark(id).unwrap().confirmed);
+    for _ in 0..5 {
+        slam.correct(&real).unwrap();
+    }
+    assert!(slam.landmark(id).is_none() && slam.len() == 3);
+    assert!(slam.landmarks().all(|landmark| landmark.confirmed));
+    // Its number is not given again.
+    let next = slam.correct(&[see(2.0, 0.0)]).unwrap()[0].landmark.unwrap();
+    assert!(next > id);
+    // Neither close enough to a landmark nor far enough from all.
+    let near = slam.correct(&[see(3.17, 0.5)]).unwrap()[0];
+    assert!(matches!(near.verdict, SlamVerdict::Ambiguous(nis) if nis > 9.2), "{near:?}");
+}
