@@ -2,7 +2,7 @@
 
 use crate::event::{Event, Measurement, Payload, Truth};
 use crate::localizer::{Localizer, Method, MethodSettings};
-use crate::record::{MethodRecord, Run, Snapshots};
+use crate::record::{LineMoments, MethodRecord, Run, Snapshots};
 use crate::source::{Setup, Source};
 use crate::{Error, Result};
 use loc_core::Stamped;
@@ -168,6 +168,7 @@ impl Runner {
             estimates: Vec::new(),
             judgements: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),
+            lines: LineMoments::new(setup.start, setup.end),
             updates: 0,
             runtime: 0.0,
         };
@@ -199,6 +200,9 @@ impl Runner {
         self.record.runtime += started.elapsed().as_secs_f64();
         if matches!(event.payload, Payload::Measurement(_)) {
             self.keep_cloud(stamp);
+        }
+        if let Some(update) = self.localizer.lines().filter(|_| is_scan(event)) {
+            self.record.lines.offer(stamp, update);
         }
         Ok(())
     }

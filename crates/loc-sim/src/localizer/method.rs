@@ -5,12 +5,14 @@ use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
 use super::landmark_mcl::SightMcl;
 use super::lateration::Lateration;
+use super::line_ekf::LineMatching;
 use super::mcl::ScanMcl;
 use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::landmark::LandmarkSettings;
 use loc_filters::lateration::SlidingSettings;
+use loc_filters::line_matching::LineMatchingSettings;
 use loc_pf::sensor::landmark::SightModel;
 use loc_pf::{LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
@@ -27,6 +29,8 @@ pub enum Method {
     Kf,
     /// The extended Kalman filter with landmarks (H2).
     Ekf,
+    /// The extended Kalman filter with the lines of a map (H4).
+    LineEkf,
     /// Monte Carlo localization (M).
     Mcl,
 }
@@ -38,6 +42,8 @@ pub struct MethodSettings {
     pub landmark: LandmarkSettings,
     /// For a vehicle on a rail.
     pub rail: RailSettings,
+    /// For matching lines of scans with those of a map.
+    pub line_matching: LineMatchingSettings,
     /// For the particle filter in a map.
     pub mcl: MclSettings,
     /// For the particle filter among landmarks; what it shares with the other methods among
@@ -87,8 +93,14 @@ impl MethodSettings {
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 5] =
-        [Method::DeadReckoning, Method::Lateration, Method::Kf, Method::Ekf, Method::Mcl];
+    pub const ALL: [Method; 6] = [
+        Method::DeadReckoning,
+        Method::Lateration,
+        Method::Kf,
+        Method::Ekf,
+        Method::LineEkf,
+        Method::Mcl,
+    ];
 
     /// The name, as the command line has it.
     pub fn name(self) -> &'static str {
@@ -97,6 +109,7 @@ impl Method {
             Method::Lateration => "lateration",
             Method::Kf => "kf",
             Method::Ekf => "ekf",
+            Method::LineEkf => "line-ekf",
             Method::Mcl => "mcl",
         }
     }
@@ -125,6 +138,7 @@ impl Method {
             Method::Lateration => Box::new(Lateration::new(setup, settings)?),
             Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
             Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
+            Method::LineEkf => Box::new(LineMatching::new(setup, settings)?),
             // Where both can be had, scans tell more than landmarks.
             Method::Mcl if setup.has_laser || setup.landmarks.is_empty() => {
                 Box::new(ScanMcl::new(setup, settings)?)

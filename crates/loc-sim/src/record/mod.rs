@@ -8,9 +8,11 @@ use crate::source::Setup;
 use loc_core::{Pose2, Stamped};
 
 mod film;
+mod moments;
 mod snapshots;
 
 pub use film::{Film, Filming, Frame, Inside};
+pub use moments::LineMoments;
 pub use snapshots::Snapshots;
 
 /// A finished run of several methods over one source.
@@ -45,6 +47,8 @@ pub struct MethodRecord {
     pub judgements: Vec<Stamped<Judgement>>,
     /// The particles of a method that has any, now and then.
     pub snapshots: Snapshots,
+    /// The scans that moved the pose most, of a method that matches lines.
+    pub lines: LineMoments,
     /// Number of controls and measurements it took in.
     pub updates: usize,
     /// Time it took \[s\].

@@ -29,7 +29,7 @@ pub use tour::SimulatedTour;
 use crate::Result;
 use crate::event::Event;
 use loc_core::Gaussian;
-use loc_maps::{LandmarkMap, OccupancyGrid};
+use loc_maps::{LandmarkMap, LineMap, OccupancyGrid};
 use std::sync::Arc;
 
 /// What is known before the first event.
@@ -49,6 +49,8 @@ pub struct Setup {
     pub landmarks: Arc<LandmarkMap>,
     /// The map of the surroundings, where there is one.
     pub map: Option<Arc<OccupancyGrid>>,
+    /// The walls as lines, where somebody has drawn them.
+    pub lines: Option<Arc<LineMap>>,
     /// Whether a laser reports scans.
     pub has_laser: bool,
     /// When the robot is carried to another place without being told \[s\]: from then on it is

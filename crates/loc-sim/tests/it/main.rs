@@ -16,6 +16,7 @@ mod figures;
 mod fit_beam;
 mod landmark_mcl;
 mod layering;
+mod line_matching;
 #[cfg(feature = "cli")]
 mod map;
 mod metrics;

@@ -41,6 +41,10 @@ pub struct ReplayArgs {
     /// The map to localize a laser in.
     #[arg(long, value_name = "MAP")]
     pub map: Option<PathBuf>,
+    /// The walls as lines (x1 y1 x2 y2), for methods that match them; found in the map where left
+    /// out.
+    #[arg(long, value_name = "FILE")]
+    pub lines: Option<PathBuf>,
     /// Which scans to use, counted from 0.
     #[arg(long, value_enum, default_value_t = Scans::All)]
     pub scans: Scans,

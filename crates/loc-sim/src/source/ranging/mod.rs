@@ -67,6 +67,7 @@ impl RangeRecording {
             rail: None,
             landmarks: Arc::new(parts.beacons),
             map: None,
+            lines: None,
             has_laser: false,
             kidnapped_at: None,
         };
