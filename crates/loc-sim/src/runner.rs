@@ -100,7 +100,7 @@ pub fn run_watched(
         return Err(Error::NoTruth { source_name: setup.name });
     }
     let notes = source.notes();
-    let methods = runners.into_iter().map(|runner| runner.record).collect();
+    let methods = runners.into_iter().map(Runner::finish).collect::<Result<_>>()?;
     Ok(Run { setup, settings: settings.clone(), stamps, truth, methods, notes, film: None })
 }
 
@@ -126,6 +126,7 @@ impl Runner {
             estimates: Vec::new(),
             judgements: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),
+            map: None,
             updates: 0,
             runtime: 0.0,
         };
@@ -159,6 +160,10 @@ impl Runner {
             self.keep_cloud(stamp);
         }
         Ok(())
+    }
+
+    fn finish(self) -> Result<MethodRecord> {
+        Ok(MethodRecord { map: self.localizer.map()?, ..self.record })
     }
 
     fn estimate(&mut self, stamp: f64) -> Result<()> {

@@ -3,12 +3,15 @@
 use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
+use super::ekf_slam::EkfSlamMethod;
+use super::kf_slam::KfSlamMethod;
 use super::landmark_mcl::SightMcl;
 use super::mcl::ScanMcl;
 use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::landmark::LandmarkSettings;
+use loc_filters::slam::SlamSettings;
 use loc_pf::sensor::landmark::SightModel;
 use loc_pf::{LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
@@ -25,6 +28,10 @@ pub enum Method {
     Ekf,
     /// Monte Carlo localization (M).
     Mcl,
+    /// Linear Kalman SLAM of a robot that never turns (I1).
+    KfSlam,
+    /// The extended Kalman filter over robot and landmarks (I2 to I4).
+    EkfSlam,
 }
 
 /// What the methods are told about the robot and its sensors.
@@ -39,6 +46,8 @@ pub struct MethodSettings {
     /// For the particle filter among landmarks; what it shares with the other methods among
     /// landmarks, it takes from there.
     pub landmark_mcl: LandmarkMclSettings,
+    /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
+    pub slam: SlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
     /// Seed of the methods that draw random numbers.
@@ -65,9 +74,38 @@ impl MethodSettings {
     }
 }
 
+impl MethodSettings {
+    /// Settings of `ekf-slam`, with what all methods among landmarks are told.
+    pub fn slam(&self) -> SlamSettings {
+        let LandmarkSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            ..
+        } = self.landmark;
+        SlamSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            ..self.slam
+        }
+    }
+}
+
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 4] = [Method::DeadReckoning, Method::Kf, Method::Ekf, Method::Mcl];
+    pub const ALL: [Method; 6] = [
+        Method::DeadReckoning,
+        Method::Kf,
+        Method::Ekf,
+        Method::Mcl,
+        Method::KfSlam,
+        Method::EkfSlam,
+    ];
 
     /// The name, as the command line has it.
     pub fn name(self) -> &'static str {
@@ -76,6 +114,8 @@ impl Method {
             Method::Kf => "kf",
             Method::Ekf => "ekf",
             Method::Mcl => "mcl",
+            Method::KfSlam => "kf-slam",
+            Method::EkfSlam => "ekf-slam",
         }
     }
 
@@ -107,6 +147,8 @@ impl Method {
                 Box::new(ScanMcl::new(setup, settings)?)
             }
             Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
+            Method::KfSlam => Box::new(KfSlamMethod::new(setup, settings)?),
+            Method::EkfSlam => Box::new(EkfSlamMethod::new(setup, settings)?),
         })
     }
 }

@@ -2,7 +2,7 @@
 //! recording may come without a truth; its estimates are those at its scans.
 
 use crate::event::Truth;
-use crate::localizer::{Estimate, Judgement, Method, MethodSettings};
+use crate::localizer::{Estimate, EstimatedMap, Judgement, Method, MethodSettings};
 use crate::source::Setup;
 use loc_core::Stamped;
 
@@ -42,6 +42,8 @@ pub struct MethodRecord {
     pub judgements: Vec<Stamped<Judgement>>,
     /// The particles of a method that has any, now and then.
     pub snapshots: Snapshots,
+    /// The map at the end, of a method that draws its own.
+    pub map: Option<EstimatedMap>,
     /// Number of controls and measurements it took in.
     pub updates: usize,
     /// Time it took \[s\].

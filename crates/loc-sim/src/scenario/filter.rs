@@ -1,6 +1,6 @@
 //! What the filters are told, in the units of configuration files.
 
-use super::LandmarkMclConfig;
+use super::{LandmarkMclConfig, SlamConfig};
 use crate::Result;
 use crate::localizer::MethodSettings;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
@@ -28,6 +28,8 @@ pub struct FilterConfig {
     pub mcl: MclSettings,
     /// What the particle filter among landmarks is told beside.
     pub landmark_mcl: LandmarkMclConfig,
+    /// What SLAM is told beside.
+    pub slam: SlamConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
 }
@@ -43,6 +45,7 @@ impl FilterConfig {
             landmark: self.apply(landmark)?,
             mcl: self.mcl.clone(),
             landmark_mcl: self.landmark_mcl.settings()?,
+            slam: self.slam.settings()?,
             global: self.global,
             ..MethodSettings::default()
         })

@@ -15,10 +15,12 @@ pub mod builtin;
 mod filter;
 mod landmark_mcl;
 pub mod recording;
+mod slam;
 
 pub use filter::FilterConfig;
 pub use landmark_mcl::LandmarkMclConfig;
 pub use recording::{RecordingConfig, StartConfig};
+pub use slam::SlamConfig;
 
 use crate::demonstration::DemonstrationConfig;
 use crate::localizer::{Method, MethodSettings};

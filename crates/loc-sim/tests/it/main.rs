@@ -29,6 +29,7 @@ mod report;
 mod ros;
 mod scenarios;
 mod sense;
+mod slam;
 mod switches;
 mod tour;
 mod wean;
