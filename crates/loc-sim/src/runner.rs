@@ -133,7 +133,7 @@ pub fn run_watched(
         return Err(Error::NoTruth { source_name: setup.name });
     }
     let notes = source.notes();
-    let methods = runners.into_iter().map(|runner| runner.record).collect();
+    let methods = runners.into_iter().map(Runner::finish).collect::<Result<_>>()?;
     Ok(Run {
         setup,
         settings: settings.clone(),
@@ -169,6 +169,7 @@ impl Runner {
             judgements: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),
             lines: LineMoments::new(setup.start, setup.end),
+            map: None,
             updates: 0,
             runtime: 0.0,
         };
@@ -205,6 +206,10 @@ impl Runner {
             self.record.lines.offer(stamp, update);
         }
         Ok(())
+    }
+
+    fn finish(self) -> Result<MethodRecord> {
+        Ok(MethodRecord { map: self.localizer.map()?, ..self.record })
     }
 
     fn estimate(&mut self, stamp: f64) -> Result<()> {

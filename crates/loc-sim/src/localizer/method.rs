@@ -3,6 +3,8 @@
 use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
+use super::ekf_slam::EkfSlamMethod;
+use super::kf_slam::KfSlamMethod;
 use super::landmark_mcl::SightMcl;
 use super::lateration::Lateration;
 use super::line_ekf::LineMatching;
@@ -13,6 +15,7 @@ use crate::{Error, Result};
 use loc_filters::landmark::LandmarkSettings;
 use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
+use loc_filters::slam::SlamSettings;
 use loc_pf::sensor::landmark::SightModel;
 use loc_pf::{LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
@@ -33,6 +36,10 @@ pub enum Method {
     LineEkf,
     /// Monte Carlo localization (M).
     Mcl,
+    /// Linear Kalman SLAM of a robot that never turns (I1).
+    KfSlam,
+    /// The extended Kalman filter over robot and landmarks (I2 to I4).
+    EkfSlam,
 }
 
 /// What the methods are told about the robot and its sensors.
@@ -51,6 +58,8 @@ pub struct MethodSettings {
     pub landmark_mcl: LandmarkMclSettings,
     /// For lateration; what it shares with the other methods among landmarks, it takes from there.
     pub lateration: SlidingSettings,
+    /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
+    pub slam: SlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
     /// Seed of the methods that draw random numbers.
@@ -91,15 +100,39 @@ impl MethodSettings {
     }
 }
 
+impl MethodSettings {
+    /// Settings of `ekf-slam`, with what all methods among landmarks are told.
+    pub fn slam(&self) -> SlamSettings {
+        let LandmarkSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            ..
+        } = self.landmark;
+        SlamSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            ..self.slam
+        }
+    }
+}
+
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 6] = [
+    pub const ALL: [Method; 8] = [
         Method::DeadReckoning,
         Method::Lateration,
         Method::Kf,
         Method::Ekf,
         Method::LineEkf,
         Method::Mcl,
+        Method::KfSlam,
+        Method::EkfSlam,
     ];
 
     /// The name, as the command line has it.
@@ -111,6 +144,8 @@ impl Method {
             Method::Ekf => "ekf",
             Method::LineEkf => "line-ekf",
             Method::Mcl => "mcl",
+            Method::KfSlam => "kf-slam",
+            Method::EkfSlam => "ekf-slam",
         }
     }
 
@@ -144,6 +179,8 @@ impl Method {
                 Box::new(ScanMcl::new(setup, settings)?)
             }
             Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
+            Method::KfSlam => Box::new(KfSlamMethod::new(setup, settings)?),
+            Method::EkfSlam => Box::new(EkfSlamMethod::new(setup, settings)?),
         })
     }
 }

@@ -6,6 +6,9 @@ pub mod cloud;
 mod dead_reckoning;
 mod driven;
 mod ekf;
+mod ekf_slam;
+mod estimated_map;
+mod kf_slam;
 mod landmark_mcl;
 mod lateration;
 mod line_ekf;
@@ -15,6 +18,7 @@ mod rail;
 mod whitened;
 
 pub use cloud::Cloud;
+pub use estimated_map::EstimatedMap;
 pub use method::{Method, MethodSettings, RailSettings};
 pub use whitened::Whitened;
 
@@ -54,6 +58,14 @@ pub trait Localizer {
     /// The poses that it holds possible, the likeliest first; none for a method that knows but one.
     fn hypotheses(&self) -> Vec<Hypothesis> {
         Vec::new()
+    }
+
+    /// The landmarks of a method that draws its own map; `None` for any other.
+    ///
+    /// # Errors
+    /// What the filter refuses.
+    fn map(&self) -> Result<Option<EstimatedMap>> {
+        Ok(None)
     }
 
     /// The particles of a method that has any, for figures: thinned to at most

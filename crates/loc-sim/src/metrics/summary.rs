@@ -1,6 +1,8 @@
 //! The figures of a run: what `summary.json` holds.
 
-use super::{Alignment, Found, Pair, PlanarErrors, found, planar_errors};
+use super::{
+    Alignment, Found, LandmarkErrors, Pair, PlanarErrors, found, landmark_errors, planar_errors,
+};
 use crate::Result;
 use crate::record::{MethodRecord, Run};
 use serde::{Serialize, Serializer};
@@ -40,6 +42,8 @@ pub struct MethodSummary {
     pub measurements_used: usize,
     /// Measurements that did not.
     pub measurements_rejected: usize,
+    /// How good the map is that the method has drawn; null for one that draws none.
+    pub landmarks: Option<LandmarkErrors>,
     /// How long a method that started without a pose needed to find it, see [`found`]; null for
     /// one that was given it, or that never did.
     pub converged_at_s: Option<f64>,
@@ -105,6 +109,7 @@ impl MethodSummary {
             nis_mean: mean(accepted().filter_map(|judgement| judgement.value.nis)),
             measurements_used: used,
             measurements_rejected: record.judgements.len() - used,
+            landmarks: landmark_errors(run, record)?,
             converged_at_s: converged.map(after),
             converged_after_updates: converged.map(updates),
             recovered_after_s: recovered.map(after),

@@ -2,7 +2,7 @@
 //! recording may come without a truth; its estimates are those at its scans.
 
 use crate::event::Truth;
-use crate::localizer::{Estimate, Judgement, Method, MethodSettings};
+use crate::localizer::{Estimate, EstimatedMap, Judgement, Method, MethodSettings};
 use crate::metrics::pose_nees_with_freedom;
 use crate::source::Setup;
 use loc_core::{Pose2, Stamped};
@@ -49,6 +49,8 @@ pub struct MethodRecord {
     pub snapshots: Snapshots,
     /// The scans that moved the pose most, of a method that matches lines.
     pub lines: LineMoments,
+    /// The map at the end, of a method that draws its own.
+    pub map: Option<EstimatedMap>,
     /// Number of controls and measurements it took in.
     pub updates: usize,
     /// Time it took \[s\].

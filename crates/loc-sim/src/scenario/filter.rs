@@ -1,6 +1,6 @@
 //! What the filters are told, in the units of configuration files.
 
-use super::{LandmarkMclConfig, LaterationConfig};
+use super::{LandmarkMclConfig, LaterationConfig, SlamConfig};
 use crate::Result;
 use crate::localizer::MethodSettings;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
@@ -33,6 +33,8 @@ pub struct FilterConfig {
     pub landmark_mcl: LandmarkMclConfig,
     /// What lateration is told beside.
     pub lateration: LaterationConfig,
+    /// What SLAM is told beside.
+    pub slam: SlamConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
 }
@@ -52,6 +54,7 @@ impl FilterConfig {
             landmark_mcl: self.landmark_mcl.settings()?,
             lateration: self.lateration.settings()?,
             line_matching,
+            slam: self.slam.settings()?,
             global: self.global,
             ..MethodSettings::default()
         })

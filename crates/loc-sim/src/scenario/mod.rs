@@ -17,11 +17,13 @@ mod landmark_mcl;
 mod lateration;
 pub mod recording;
 mod shorthand;
+mod slam;
 
 pub use filter::FilterConfig;
 pub use landmark_mcl::LandmarkMclConfig;
 pub use lateration::LaterationConfig;
 pub use recording::{RecordingConfig, StartConfig};
+pub use slam::SlamConfig;
 
 use crate::demonstration::DemonstrationConfig;
 use crate::localizer::{Method, MethodSettings};

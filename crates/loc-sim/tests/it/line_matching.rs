@@ -25,7 +25,7 @@ fn scenario(changes: &[&str]) -> Scenario {
 fn errors(run: &Run) -> (f64, f64) {
     let summary = Summary::of(run, None, Alignment::None).unwrap();
     let errors = summary.methods[0].1.errors.unwrap();
-    (errors.ate_rmse_m, errors.heading_rmse_deg)
+    (errors.ate_rmse_m, errors.heading_rmse_deg.unwrap())
 }
 
 #[test]

@@ -31,6 +31,7 @@ mod report;
 mod ros;
 mod scenarios;
 mod sense;
+mod slam;
 mod study;
 mod switches;
 mod tour;
