@@ -107,7 +107,7 @@ fn maps_are_compared_after_a_rigid_alignment() {
     run.setup.landmarks = Arc::new(LandmarkMap::new(landmarks).unwrap());
     let mut record = run.methods.pop().unwrap();
     let moved = Pose2::new(0.3, -0.2, 0.02);
-    let mut place = |id: u32, x: f64, y: f64| {
+    let place = |id: u32, x: f64, y: f64| {
         let mean = moved.transform(&Point2::new(x, y)).coords;
         let position = Gaussian { mean, covariance: Matrix2::identity() };
         MapLandmark { id, position, sightings: 9, confirmed: true }
