@@ -10,6 +10,8 @@ mod ekf_slam;
 mod estimated_map;
 mod kf_slam;
 mod landmark_mcl;
+mod lateration;
+mod line_ekf;
 mod mcl;
 mod method;
 mod rail;
@@ -23,6 +25,7 @@ pub use whitened::Whitened;
 use crate::Result;
 use crate::event::{Control, Measurement};
 use loc_core::{Gaussian, Pose2};
+use loc_filters::line_matching::LineUpdate;
 use loc_sensors::landmark_camera::{Sight, Sighting};
 use nalgebra::{Matrix3, Point2};
 
@@ -68,6 +71,11 @@ pub trait Localizer {
     /// The particles of a method that has any, for figures: thinned to at most
     /// [`Cloud::MOST`](cloud::Cloud::MOST).
     fn cloud(&self) -> Option<Cloud> {
+        None
+    }
+
+    /// What the last scan told a method that matches lines, for figures.
+    fn lines(&self) -> Option<&LineUpdate> {
         None
     }
 }

@@ -44,8 +44,9 @@ mod summary;
 
 pub use align::{Alignment, aligned, transform};
 pub use associate::{Pair, associate};
+pub(crate) use consistency::pose_nees_with_freedom;
 pub use consistency::{Consistency, ConsistencyFigures, RunEvidence, pose_nees};
-pub use convergence::{Found, found};
+pub use convergence::{Found, ends_near, found};
 pub use evaluation::{EvalSettings, Evaluation, evaluate};
 pub use landmarks::{LandmarkErrors, landmark_errors};
 pub use planar::{PlanarErrors, planar_errors};

@@ -27,13 +27,13 @@ pub fn table(summary: &Summary) -> String {
 /// The figures of a method, one for each column.
 pub(super) fn cells(method: &MethodSummary) -> [String; COLUMNS.len()] {
     let errors = method.errors.as_ref();
-    let cell = |digits: usize, figure: fn(&PlanarErrors) -> f64| {
-        errors.map_or("-".into(), |errors| format!("{:.digits$}", figure(errors)))
+    let cell = |digits: usize, figure: fn(&PlanarErrors) -> Option<f64>| {
+        errors.and_then(figure).map_or("-".into(), |figure| format!("{figure:.digits$}"))
     };
     [
-        cell(3, |errors| errors.ate_rmse_m),
-        cell(3, |errors| errors.ate_max_m),
-        cell(3, |errors| errors.final_error_m),
+        cell(3, |errors| Some(errors.ate_rmse_m)),
+        cell(3, |errors| Some(errors.ate_max_m)),
+        cell(3, |errors| Some(errors.final_error_m)),
         cell(2, |errors| errors.heading_rmse_deg),
         method.nees_mean.map_or("-".into(), |nees| match nees {
             // A covariance far too small; its digits would push the columns apart.
