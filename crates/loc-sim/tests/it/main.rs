@@ -7,6 +7,7 @@ mod cli;
 mod consistency;
 #[cfg(feature = "cli")]
 mod convergence;
+mod convert;
 mod demonstration;
 #[cfg(feature = "cli")]
 mod eval;
