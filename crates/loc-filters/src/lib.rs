@@ -10,6 +10,7 @@ pub mod kalman;
 pub mod landmark;
 pub mod lateration;
 pub mod slam;
+pub mod smoother;
 
 pub use error::{Error, Result};
 pub use extended::{ExtendedKalmanFilter, MeasurementModel, MotionModel};

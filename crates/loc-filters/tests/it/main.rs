@@ -10,3 +10,4 @@ mod kalman;
 mod landmark;
 mod lateration;
 mod slam;
+mod smoother;

@@ -10,6 +10,7 @@ mod landmark_mcl;
 mod mcl;
 mod method;
 mod rail;
+pub(crate) mod smoothed;
 mod whitened;
 
 pub use cloud::Cloud;

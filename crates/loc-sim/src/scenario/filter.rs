@@ -30,6 +30,8 @@ pub struct FilterConfig {
     pub landmark_mcl: LandmarkMclConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
+    /// Whether the estimates of Kalman filters are smoothed after the run as well.
+    pub smooth: bool,
 }
 
 impl FilterConfig {
@@ -44,6 +46,7 @@ impl FilterConfig {
             mcl: self.mcl.clone(),
             landmark_mcl: self.landmark_mcl.settings()?,
             global: self.global,
+            smooth: self.smooth,
             ..MethodSettings::default()
         })
     }

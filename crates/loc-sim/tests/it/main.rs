@@ -29,6 +29,7 @@ mod report;
 mod ros;
 mod scenarios;
 mod sense;
+mod smoothing;
 mod study;
 mod switches;
 mod tour;
