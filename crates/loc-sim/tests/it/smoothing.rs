@@ -147,3 +147,62 @@ fn smoothing_a_real_robot_errs_less() {
         assert!(rmse[1] < 0.95 * rmse[0]);
     }
 }
+
+#[cfg(feature = "cli")]
+mod command {
+    use std::fs;
+    use std::path::Path;
+    use std::process::{Command, Output};
+    use tempfile::TempDir;
+
+    fn loc_sim(folder: &Path, arguments: &str) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_loc-sim"));
+        command.current_dir(folder).args(arguments.split(' ')).output().unwrap()
+    }
+
+    #[test]
+    fn a_second_record_is_in_table_figures_and_files() {
+        let folder = TempDir::new().unwrap();
+        let output = loc_sim(folder.path(), "run landmark-drive --method ekf --smooth --out o");
+        let table = String::from_utf8(output.stdout).unwrap();
+        assert!(table.contains("\nekf ") && table.contains("\nekf-smoothed "), "{table}");
+        for file in ["estimate_ekf-smoothed.tum", "covariance_ekf-smoothed.csv"] {
+            assert!(folder.path().join("o").join(file).is_file());
+        }
+        for figure in ["map.svg", "errors.svg", "report.html"] {
+            let text = fs::read_to_string(folder.path().join("o").join(figure)).unwrap();
+            assert!(text.contains("ekf-smoothed"), "{figure}");
+        }
+        // A run without leaves nothing of it.
+        loc_sim(folder.path(), "run landmark-drive --method ekf --out o");
+        assert!(!folder.path().join("o/estimate_ekf-smoothed.tum").exists());
+        let rail = loc_sim(folder.path(), "run accelerated-vehicle --smooth --out r");
+        assert!(String::from_utf8(rail.stdout).unwrap().contains("kf-smoothed ends at x = "));
+    }
+
+    #[test]
+    fn a_study_has_rows_of_it() {
+        let folder = TempDir::new().unwrap();
+        let output =
+            loc_sim(folder.path(), "study landmark-drive --method ekf --smooth --runs 3 --out s");
+        assert!(output.status.success());
+        let csv = fs::read_to_string(folder.path().join("s/runs.csv")).unwrap();
+        assert_eq!(csv.matches(",ekf-smoothed,true,").count(), 3);
+        let unlike = loc_sim(folder.path(), "study landmark-drive --method ekf --runs 3 --out s");
+        let error = String::from_utf8(unlike.stderr).unwrap();
+        assert!(error.contains("--method was `ekf-smoothed` there"), "{error}");
+    }
+
+    #[test]
+    fn where_nothing_can_be_smoothed_it_is_refused() {
+        let folder = TempDir::new().unwrap();
+        for command in ["run", "study"] {
+            let arguments = format!("{command} landmark-drive --method mcl --smooth --out o");
+            let output = loc_sim(folder.path(), &arguments);
+            let error = String::from_utf8(output.stderr).unwrap();
+            let expected =
+                "error: --smooth: expected a Kalman filter among the methods (kf, ekf), got mcl\n";
+            assert_eq!((output.status.code(), error.as_str()), (Some(1), expected));
+        }
+    }
+}
