@@ -2,7 +2,7 @@
 
 use crate::event::{Event, Measurement, Payload, Truth};
 use crate::localizer::{Judgement, Localizer, Method, MethodSettings, smoothed};
-use crate::record::{MethodRecord, Run, Snapshots};
+use crate::record::{LineMoments, MethodRecord, Run, Snapshots};
 use crate::source::{Setup, Source};
 use crate::{Error, Result};
 use loc_core::Stamped;
@@ -135,9 +135,18 @@ pub fn run_watched(
         return Err(Error::NoTruth { source_name: setup.name });
     }
     let notes = source.notes();
-    let mut methods: Vec<_> = runners.into_iter().map(|runner| runner.record).collect();
+    let mut methods: Vec<_> = runners.into_iter().map(Runner::finish).collect::<Result<_>>()?;
     methods.extend(tape.smoothed(&setup, settings, &stamps, &methods)?);
-    Ok(Run { setup, settings: settings.clone(), stamps, truth, methods, notes, film: None })
+    Ok(Run {
+        setup,
+        settings: settings.clone(),
+        stamps,
+        truth,
+        truth_has_heading: source.truth_has_heading(),
+        methods,
+        notes,
+        film: None,
+    })
 }
 
 fn is_truth(event: &Event) -> bool {
@@ -193,6 +202,8 @@ impl Tape {
                 estimates,
                 judgements: judgements.collect(),
                 snapshots: Snapshots::new(setup.kidnapped_at),
+                lines: LineMoments::new(setup.start, setup.end),
+                map: None,
                 updates: self.events.len(),
                 runtime,
             });
@@ -216,6 +227,8 @@ impl Runner {
             estimates: Vec::new(),
             judgements: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),
+            lines: LineMoments::new(setup.start, setup.end),
+            map: None,
             updates: 0,
             runtime: 0.0,
         };
@@ -248,7 +261,14 @@ impl Runner {
         if matches!(event.payload, Payload::Measurement(_)) {
             self.keep_cloud(stamp);
         }
+        if let Some(update) = self.localizer.lines().filter(|_| is_scan(event)) {
+            self.record.lines.offer(stamp, update);
+        }
         Ok(())
+    }
+
+    fn finish(self) -> Result<MethodRecord> {
+        Ok(MethodRecord { map: self.localizer.map()?, ..self.record })
     }
 
     fn estimate(&mut self, stamp: f64) -> Result<()> {

@@ -152,6 +152,13 @@ impl PathNoise {
         )
     }
 
+    /// Standard deviations along a way \[m\], across it \[m\] and of the heading \[rad\] where
+    /// odometry has failed on it: it is then off by about what it reports.
+    pub fn fault_sigmas(path: &DrivenPath) -> Vector3<f64> {
+        let (way, turned) = (path.length, path.turned);
+        Vector3::new(way, 0.3 * way, 0.3 * turned + 0.1 * way)
+    }
+
     /// A step along a way from `pose`, with `variances` along it, across it and of the heading.
     ///
     /// On the average over the way the heading is off by half of what it is off at the end.

@@ -8,7 +8,7 @@
 //!
 //! * [`LinearSlam`] is the simplest case, a robot that slides without turning (I1);
 //! * [`EkfSlam`] has a heading, sees distance and direction, and can do without numbers on the
-//!   landmarks (I2 to I4).
+//!   landmarks (I2 to I4). [`SlamLocalizer`] around it takes stamped inputs as they come.
 //!
 //! ```
 //! use loc_core::{Gaussian, Pose2, Twist2};
@@ -28,6 +28,7 @@
 
 mod ekf;
 mod linear;
+mod localizer;
 mod state;
 
 pub use ekf::{
@@ -35,3 +36,4 @@ pub use ekf::{
     SlamVerdict,
 };
 pub use linear::{LinearSlam, LinearSlamSettings, RelativeSighting};
+pub use localizer::SlamLocalizer;

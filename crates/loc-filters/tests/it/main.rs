@@ -9,5 +9,6 @@ mod innovation;
 mod kalman;
 mod landmark;
 mod lateration;
+mod line_matching;
 mod slam;
 mod smoother;

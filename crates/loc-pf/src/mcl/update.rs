@@ -97,8 +97,8 @@ impl Mcl {
         let pose = self.estimate.belief.pose();
         let (rater, tolerance) = (&mut self.rater, self.monitor.settings().tolerance);
         let workers = self.belief.filter.workers();
-        let (fit, support) =
-            workers.both(|| rater.rate(pose, scans), || tolerance.support(particles, pose));
+        let (fit, support) = workers
+            .both(|| rater.rate_by(workers, pose, scans), || tolerance.support(particles, pose));
         self.monitor.update(fit, support);
         Ok(report)
     }

@@ -39,13 +39,12 @@ impl NoisyStep {
         let variances = noise.variances(path);
         let least = [noise.least_position, noise.least_position, noise.least_heading];
         let sigma = |k: usize, more: f64| (variances[k] + least[k].powi(2) + more.powi(2)).sqrt();
-        // A failed odometry is off by about what it reports.
-        let (way, turn) = (path.length(), 0.3 * path.turned() + 0.1 * path.length());
+        let fault = PathNoise::fault_sigmas(path);
         let quantile = Normal::STANDARD.quantile(1.0 - noise.fault_probability);
         NoisyStep {
             step: path.step(),
             sigmas: [sigma(0, 0.0), sigma(1, 0.0), sigma(2, 0.0)],
-            faulty_sigmas: [sigma(0, way), sigma(1, 0.3 * way), sigma(2, turn)],
+            faulty_sigmas: [sigma(0, fault.x), sigma(1, fault.y), sigma(2, fault.z)],
             fault_above: quantile.unwrap_or(f64::INFINITY),
         }
     }

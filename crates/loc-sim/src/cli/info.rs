@@ -6,6 +6,7 @@ use super::replay::{Format, guess};
 use crate::event::{Control, Measurement, Payload};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{LaserLog, What};
+use crate::source::ranging::{RangeRecording, RangingStart};
 use crate::source::ros::{self, Survey};
 use crate::source::wean::WeanLog;
 use crate::source::{Mrclam, Source};
@@ -56,6 +57,8 @@ pub fn info(args: &InfoArgs, global: &Global) -> anyhow::Result<()> {
     let (topics, notes) = match format {
         Format::Ros => bag(log, global)?,
         Format::Mrclam => mrclam(log)?,
+        Format::UwbLabyrinth => ranges(RangeRecording::labyrinth(log, &RangingStart::default())?)?,
+        Format::Plaza => ranges(RangeRecording::plaza(log, 1, &RangingStart::default())?)?,
         Format::Carmen => entries(&CarmenLog::open(log)?.laser_log()?),
         Format::Wean => entries(&WeanLog::open(log)?.laser_log()?),
     };
@@ -195,4 +198,20 @@ fn mrclam(log: &Path) -> anyhow::Result<Found> {
         notes.extend(source.notes().into_iter().map(|note| format!("robot {robot}: {note}")));
     }
     Ok((counter.finish(), notes))
+}
+
+/// The events of a recording of ranges.
+fn ranges(mut source: RangeRecording) -> anyhow::Result<Found> {
+    let mut counter = Counter::default();
+    let heading = source.truth_has_heading();
+    while let Some(event) = source.next_event()? {
+        let (topic, kind) = match &event.payload {
+            Payload::Control(_) => ("odometry", "velocity"),
+            Payload::Measurement(_) => ("ranges", "range to a beacon"),
+            Payload::Truth(_) if heading => ("truth", "pose"),
+            Payload::Truth(_) => ("truth", "position"),
+        };
+        counter.take(topic, kind, event.stamp);
+    }
+    Ok((counter.finish(), source.notes()))
 }

@@ -45,7 +45,7 @@ pub struct Global {
 enum Command {
     List,
     Run(run::RunArgs),
-    Replay(replay::ReplayArgs),
+    Replay(Box<replay::ReplayArgs>),
     Info(info::InfoArgs),
     Eval(eval::EvalArgs),
     Map(map::MapArgs),

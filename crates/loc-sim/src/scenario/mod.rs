@@ -14,12 +14,16 @@
 pub mod builtin;
 mod filter;
 mod landmark_mcl;
+mod lateration;
 pub mod recording;
 mod shorthand;
+mod slam;
 
 pub use filter::FilterConfig;
 pub use landmark_mcl::LandmarkMclConfig;
+pub use lateration::LaterationConfig;
 pub use recording::{RecordingConfig, StartConfig};
+pub use slam::SlamConfig;
 
 use crate::demonstration::DemonstrationConfig;
 use crate::localizer::{Method, MethodSettings};
@@ -204,11 +208,15 @@ impl Scenario {
             Kind::Tour(tour) => tour.sights()?,
         };
         let filter = self.filter.clone().unwrap_or_default();
-        Ok(MethodSettings {
-            rail: self.rail.as_ref().map(RailConfig::settings).unwrap_or_default(),
-            seed: self.seed,
-            ..filter.methods(sensors)?
-        })
+        let mut settings = filter.methods(sensors)?;
+        if let (Kind::Tour(tour), None) = (self.kind()?, filter.line_matching) {
+            let extractor = &mut settings.line_matching.extractor;
+            extractor.noise = tour.laser.scanner()?.spec.noise;
+            // Walls of cells are smooth, and simulated beams go where they should.
+            (extractor.roughness, extractor.angle_sigma) = (0.0, 0.0);
+        }
+        let rail = self.rail.as_ref().map(RailConfig::settings).unwrap_or_default();
+        Ok(MethodSettings { rail, seed: self.seed, ..settings })
     }
 
     /// What a scenario shows that needs no method; `None` for one that [`run`](Scenario::run) is

@@ -62,7 +62,7 @@ impl EkfSlam {
         Ok(EkfSlam {
             state: MapState::new(state),
             settings,
-            gate: Gate::probability(settings.association.gate_probability)?,
+            gate: Gate::probability(settings.gate_probability)?,
             new_landmark_gate: settings.new_landmark_gate()?,
             associator: Associator::new(settings.association)?,
             merger: Associator::new(settings.merging())?,

@@ -1,6 +1,6 @@
 //! The settings of EKF-SLAM.
 
-use crate::association::AssociationSettings;
+use crate::association::{AssociationSettings, Associator};
 use crate::{Gate, Result};
 use loc_core::Pose2;
 use loc_core::error::{finite, in_range, non_negative, positive};
@@ -72,7 +72,7 @@ impl Default for MapSettings {
 }
 
 /// All that EKF-SLAM can be told, with defaults that serve a small indoor robot.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct SlamSettings {
@@ -86,8 +86,9 @@ pub struct SlamSettings {
     pub mounting: Pose2,
     /// Whether landmarks can be told apart by their numbers.
     pub identities: Identities,
-    /// How they are told apart where they cannot; its gate also turns wrong sightings of numbered
-    /// landmarks away.
+    /// Share of right sightings of a landmark that the gate lets pass, 1 for no gate.
+    pub gate_probability: f64,
+    /// How landmarks without numbers are told apart.
     pub association: AssociationSettings,
     /// Where the models are linearised.
     pub jacobians: Jacobians,
@@ -97,6 +98,23 @@ pub struct SlamSettings {
     /// to the others what they are owed when the robot leaves (Guivant and Nebot 2001): the same
     /// result, at a cost that follows the landmarks nearby. Best at twice the camera's range.
     pub submap_radius: Option<f64>,
+}
+
+impl Default for SlamSettings {
+    fn default() -> Self {
+        SlamSettings {
+            integration: Integration::ExactArc,
+            motion_noise: VelocityNoise::default(),
+            sight_noise: LandmarkNoise::default(),
+            mounting: Pose2::IDENTITY,
+            identities: Identities::Known,
+            gate_probability: 0.999,
+            association: AssociationSettings::default(),
+            jacobians: Jacobians::Current,
+            map: MapSettings::default(),
+            submap_radius: None,
+        }
+    }
 }
 
 impl SlamSettings {
@@ -124,7 +142,9 @@ impl SlamSettings {
         non_negative("cost of not seeing a landmark", map.miss_cost)?;
         self.submap_radius.map_or(Ok(0.0), |radius| positive("radius of a submap [m]", radius))?;
         self.new_landmark_gate()?;
-        Gate::probability(self.association.gate_probability)?;
+        Gate::probability(self.gate_probability)?;
+        Associator::new(self.association)?;
+        Associator::new(self.merging())?;
         Ok(())
     }
 

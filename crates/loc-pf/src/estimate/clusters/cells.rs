@@ -20,7 +20,28 @@ pub(super) struct Cells {
     pub(super) all: Vec<Cell>,
     /// The same for each part of the cloud, where they are few.
     of_parts: Vec<Cell>,
+    parts: Vec<Part>,
 }
+
+/// A part of the cloud with its own blocks, if they are few: those of a tracked robot are. Then
+/// nobody needs to look at its particles one after the other with those of all other parts.
+#[derive(Debug)]
+struct Part {
+    blocks: Blocks,
+    /// For each of them its index among the blocks of the cloud.
+    indices: Vec<usize>,
+    /// Whether there were too many: the places are then those among the blocks of the cloud.
+    is_scattered: bool,
+}
+
+impl Default for Part {
+    fn default() -> Self {
+        Part { blocks: Blocks::at_most(FEW), indices: Vec::new(), is_scattered: false }
+    }
+}
+
+/// Most blocks that a part has for its own.
+const FEW: usize = 4;
 
 impl Cells {
     pub(super) fn new(raster: Raster) -> Self {
@@ -31,6 +52,7 @@ impl Cells {
             places: Vec::new(),
             all: Vec::new(),
             of_parts: Vec::new(),
+            parts: Vec::new(),
         }
     }
 
@@ -43,12 +65,7 @@ impl Cells {
     /// many particles of equal weight a unit of weight is worth, by the effective sample size.
     pub(super) fn find(&mut self, workers: &Workers, poses: Poses<'_>, weights: &[f64]) -> f64 {
         self.address(workers, poses, weights);
-        self.blocks.clear();
-        for (key, place) in self.keys.iter().zip(&mut self.places) {
-            if *place != NOWHERE {
-                *place = self.blocks.occupy(*key, *place);
-            }
-        }
+        self.occupy();
         let count = self.blocks.number_cells();
         let [sum, squares] = self.weigh(workers, weights, count);
         if squares > 0.0 { sum / squares } else { 0.0 }
@@ -58,30 +75,53 @@ impl Cells {
     fn address(&mut self, workers: &Workers, poses: Poses<'_>, weights: &[f64]) {
         self.keys.resize(poses.len(), 0);
         self.places.resize(poses.len(), 0);
+        self.parts.resize_with(poses.len().div_ceil(PART), Part::default);
         let raster = self.raster;
         let found = self.keys.chunks_mut(PART).zip(self.places.chunks_mut(PART));
-        let parts = poses.chunks(PART).zip(weights.chunks(PART)).zip(found);
-        workers.for_each(parts, |((poses, weights), (keys, places))| {
+        let particles = poses.chunks(PART).zip(weights.chunks(PART));
+        let parts = self.parts.iter_mut().zip(particles.zip(found));
+        workers.for_each(parts, |(part, ((poses, weights), (keys, places)))| {
             Arch::new().dispatch(Address { raster, poses, weights, keys, places });
+            part.is_scattered = !part.occupy(keys, places);
         });
+    }
+
+    /// Brings the blocks of all parts together.
+    fn occupy(&mut self) {
+        self.blocks.clear();
+        let found = self.keys.chunks(PART).zip(self.places.chunks_mut(PART));
+        for (part, (keys, places)) in self.parts.iter_mut().zip(found) {
+            let joined = !part.is_scattered;
+            if !(joined && self.blocks.occupy_as(&part.blocks, &mut part.indices)) {
+                part.is_scattered = true;
+                for (key, place) in keys.iter().zip(places).filter(|(_, place)| **place != NOWHERE)
+                {
+                    *place = self.blocks.occupy(*key, Place::within(*place));
+                }
+            }
+        }
     }
 
     /// Adds up the weights of every cell and turns places into cells. Returns the sum of all
     /// weights and that of their squares.
     fn weigh(&mut self, workers: &Workers, weights: &[f64], count: usize) -> [f64; 2] {
-        let Cells { blocks, places, all, of_parts, .. } = self;
+        let Cells { blocks, places, all, of_parts, parts, .. } = self;
         all.clear();
         all.extend((0..count as u32).map(|parent| Cell { weight: 0.0, count: 0, parent }));
-        let parts = places.chunks_mut(PART).zip(weights.chunks(PART));
+        let particles = places.chunks_mut(PART).zip(weights.chunks(PART));
+        let parts = parts.iter_mut().zip(particles);
         if count == 0 || count > PART {
-            let sums = parts.map(|(places, weights)| weigh_part(blocks, places, weights, all));
+            let sums = parts.map(|(part, (places, weights))| {
+                weigh(part.numbered(blocks), places, weights, all)
+            });
             return sums.fold([0.0; 2], plus);
         }
         of_parts.clear();
         of_parts.resize(parts.len() * count, Cell { weight: 0.0, count: 0, parent: 0 });
         let parts = parts.zip(of_parts.chunks_mut(count));
-        let sums = workers
-            .map(parts, |((places, weights), cells)| weigh_part(blocks, places, weights, cells));
+        let sums = workers.map(parts, |((part, (places, weights)), cells)| {
+            weigh(part.numbered(blocks), places, weights, cells)
+        });
         for part in of_parts.chunks(count) {
             for (cell, part) in all.iter_mut().zip(part) {
                 cell.weight += part.weight;
@@ -96,14 +136,34 @@ fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] + b[0], a[1] + b[1]]
 }
 
-/// Adds a part of the cloud to cells and turns its places into cells; the sum of its weights and
-/// that of their squares.
-fn weigh_part(
-    blocks: &Blocks,
-    places: &mut [u32],
-    weights: &[f64],
-    cells: &mut [Cell],
-) -> [f64; 2] {
+impl Part {
+    /// Occupies the cells of its particles and turns their places within blocks into those among
+    /// its own blocks; stops and returns false where these are too many.
+    fn occupy(&mut self, keys: &[u64], places: &mut [u32]) -> bool {
+        self.blocks.clear();
+        for (key, place) in keys.iter().zip(places).filter(|(_, place)| **place != NOWHERE) {
+            let found = self.blocks.occupy(*key, *place);
+            if found == NOWHERE {
+                return false;
+            }
+            *place = found;
+        }
+        true
+    }
+
+    /// The blocks that the places of its particles are in, with cells numbered.
+    fn numbered<'a>(&'a mut self, of_cloud: &'a Blocks) -> &'a Blocks {
+        if self.is_scattered {
+            return of_cloud;
+        }
+        self.blocks.number_as(of_cloud, &self.indices);
+        &self.blocks
+    }
+}
+
+/// Adds particles to cells and turns their places into cells; the sum of their weights and that of
+/// their squares.
+fn weigh(blocks: &Blocks, places: &mut [u32], weights: &[f64], cells: &mut [Cell]) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for (place, &weight) in places.iter_mut().zip(weights) {
         if *place != NOWHERE {
