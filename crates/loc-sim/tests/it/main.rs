@@ -33,6 +33,7 @@ mod ros;
 mod scenarios;
 mod sense;
 mod slam;
+mod smoothing;
 mod study;
 mod switches;
 mod tour;

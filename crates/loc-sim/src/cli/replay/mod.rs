@@ -117,6 +117,8 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
         [] => replay.methods.as_slice(),
         given => given,
     };
+    replay.settings.smooth |= args.output.smooth;
+    args.output.check_smoothing(methods)?;
     let mut progress = Progress::new("replay", global);
     let source = replay.source.as_mut();
     let mut tell = |share| progress.tell(share);
