@@ -20,7 +20,7 @@ mod whitened;
 
 pub use cloud::Cloud;
 pub use estimated_map::EstimatedMap;
-pub use method::{Method, MethodSettings, RailSettings};
+pub use method::{Method, MethodSettings, Needs, RailSettings};
 pub use whitened::Whitened;
 
 use crate::Result;

@@ -47,7 +47,7 @@ fn without_arguments_it_runs_the_overview() {
         serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
     let methods = summary["methods"].as_object().unwrap();
     let mut expected: Vec<String> =
-        ["clouds.svg", "consistency.svg", "errors.svg", "map.svg", "report.html"]
+        ["clouds.svg", "consistency.svg", "errors.svg", "lines.svg", "map.svg", "report.html"]
             .map(str::to_owned)
             .to_vec();
     expected.extend(["summary.json", "truth.tum"].map(str::to_owned));
@@ -57,6 +57,13 @@ fn without_arguments_it_runs_the_overview() {
     }
     expected.sort();
     assert_eq!(entries(&out), expected);
+    for method in methods.keys() {
+        let row = table.lines().find(|line| line.split(' ').next() == Some(method)).unwrap();
+        assert!(row.contains(if method.ends_with("-global") { " unknown " } else { " known " }));
+    }
+    let found = &methods["mcl-global"];
+    assert!(found["converged_at_s"].as_f64().unwrap() < 1.0, "{found}");
+    assert!(found["ate_since_converged_m"].as_f64().unwrap() < 0.04, "{found}");
     let ekf = &summary["methods"]["ekf"];
     assert!(ekf["ate_rmse_m"].as_f64().unwrap() < 0.3);
     assert!(methods["mcl"]["ate_rmse_m"].as_f64().unwrap() < 0.04);
