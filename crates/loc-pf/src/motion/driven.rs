@@ -21,6 +21,7 @@ use crate::normals::Normals;
 use loc_core::motion::{DrivenPath, PathNoise};
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Normal, Pose2};
+use nalgebra::Vector3;
 
 /// A step with its noise: from a pose and four standard normal numbers to the next pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,16 +37,14 @@ pub struct NoisyStep {
 impl NoisyStep {
     /// The step of a driven path.
     pub fn new(path: &DrivenPath, noise: &PathNoise) -> Self {
-        let variances = noise.variances(path);
-        let least = [noise.least_position, noise.least_position, noise.least_heading];
-        let sigma = |k: usize, more: f64| (variances[k] + least[k].powi(2) + more.powi(2)).sqrt();
-        // A failed odometry is off by about what it reports.
-        let (way, turn) = (path.length(), 0.3 * path.turned() + 0.1 * path.length());
+        let usual = noise.variances(path) + noise.least_variances();
+        let faulty = usual + noise.fault_variances(path);
+        let sigmas = |variances: Vector3<f64>| [0, 1, 2].map(|k| variances[k].sqrt());
         let quantile = Normal::STANDARD.quantile(1.0 - noise.fault_probability);
         NoisyStep {
             step: path.step(),
-            sigmas: [sigma(0, 0.0), sigma(1, 0.0), sigma(2, 0.0)],
-            faulty_sigmas: [sigma(0, way), sigma(1, 0.3 * way), sigma(2, turn)],
+            sigmas: sigmas(usual),
+            faulty_sigmas: sigmas(faulty),
             fault_above: quantile.unwrap_or(f64::INFINITY),
         }
     }
