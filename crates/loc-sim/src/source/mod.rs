@@ -11,6 +11,7 @@ mod noise;
 pub mod people;
 pub mod rail;
 mod reorder;
+pub mod ros;
 pub mod tour;
 pub mod wean;
 
@@ -20,6 +21,7 @@ pub use laser_log::LaserRecording;
 pub use mrclam::Mrclam;
 pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
 pub use rail::SimulatedRail;
+pub use ros::RosRecording;
 pub use tour::SimulatedTour;
 
 use crate::Result;

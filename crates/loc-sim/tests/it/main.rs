@@ -26,6 +26,7 @@ mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
 mod report;
+mod ros;
 mod scenarios;
 mod sense;
 mod switches;

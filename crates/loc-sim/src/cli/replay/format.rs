@@ -1,6 +1,6 @@
 //! The formats of recordings, and how they are told apart.
 
-use crate::source::{laser_log, mrclam};
+use crate::source::{laser_log, mrclam, ros};
 use crate::{Error, Result};
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -15,6 +15,8 @@ pub enum Format {
     Carmen,
     /// A log of CMU's Wean Hall.
     Wean,
+    /// A bag of ROS 1 or ROS 2, or an MCAP file.
+    Ros,
 }
 
 /// First words of lines that only a CARMEN log has.
@@ -36,6 +38,9 @@ pub(super) fn guess(log: &Path) -> Result<Format> {
     if mrclam::is_mrclam(log) {
         return Ok(Format::Mrclam);
     }
+    if ros::is_bag(log)? {
+        return Ok(Format::Ros);
+    }
     if log.is_dir() {
         return Err(unknown(log, "a folder without it"));
     }
@@ -55,8 +60,8 @@ pub(super) fn guess(log: &Path) -> Result<Format> {
 fn unknown(log: &Path, found: &str) -> Error {
     Error::Recording {
         path: log.to_owned(),
-        expected: "a recording: a folder with Barcodes.dat (mrclam), a log of ODOM and FLASER \
-                   lines (carmen), or of O and L lines (wean)"
+        expected: "a recording: a bag of ROS, an MCAP file, a folder with Barcodes.dat (mrclam), \
+                   a log of ODOM and FLASER lines (carmen), or of O and L lines (wean)"
             .into(),
         found: found.into(),
     }

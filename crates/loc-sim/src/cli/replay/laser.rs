@@ -4,10 +4,11 @@ use super::{Format, Replay, ReplayArgs, SEED};
 use crate::localizer::{Method, MethodSettings};
 use crate::nav2::AmclParameters;
 use crate::scenario::{RecordingConfig, StartConfig, recording};
-use crate::source::LaserRecording;
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{Reference, ReplayOptions, Start};
+use crate::source::ros::laser_log;
 use crate::source::wean::WeanLog;
+use crate::source::{LaserRecording, RosRecording, Source};
 use crate::{Result, config};
 use loc_core::Pose2;
 use loc_maps::grid::io;
@@ -17,7 +18,7 @@ use std::sync::Arc;
 pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::Result<Replay> {
     let (settings, mut options) = configuration(args)?;
     if let Some(text) = &args.initial_pose {
-        options.start = Start::At(parse_pose(text)?);
+        options.start = Start::At(parse_pose("--initial-pose", text)?);
     } else if args.global_start || settings.global {
         options.start = Start::Anywhere;
     }
@@ -25,18 +26,38 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
     options.scans = args.scans;
     options.kidnap = args.kidnap;
     options.reference = args.reference.as_deref().map(Reference::read).transpose()?;
+    let (source, start_is_known) = source(args, log, format, &options, &settings)?;
+    // Odometry alone has nowhere to start where nobody knows the pose.
+    let odometry = start_is_known.then_some(Method::DeadReckoning);
+    Ok(Replay { source, settings, methods: odometry.into_iter().chain([Method::Mcl]).collect() })
+}
+
+/// The recording, and whether anything says where its robot starts.
+fn source(
+    args: &ReplayArgs,
+    log: &Path,
+    format: Format,
+    options: &ReplayOptions,
+    settings: &MethodSettings,
+) -> anyhow::Result<(Box<dyn Source>, bool)> {
     let log = match format {
+        Format::Ros => {
+            let ros = args.ros.options(args.seed.unwrap_or(settings.seed))?;
+            // A bag is read as a stream, unless the whole of it is needed at once.
+            if options.kidnap.is_none() && options.reference.is_none() {
+                let source = RosRecording::open(log, options, &ros)?;
+                let known = source.start_is_known();
+                return Ok((Box::new(source), known));
+            }
+            laser_log(log, &ros)?
+        }
         Format::Wean => WeanLog::open(log)?.laser_log()?,
         _ => CarmenLog::open(log)?.laser_log()?,
     };
-    let source = LaserRecording::new(log, &options)?;
-    // Odometry alone has nowhere to start where nobody knows the pose.
-    let odometry = source.start_is_known().then_some(Method::DeadReckoning);
-    Ok(Replay {
-        source: Box::new(source),
-        settings,
-        methods: odometry.into_iter().chain([Method::Mcl]).collect(),
-    })
+    args.ros.refuse_unless(format)?;
+    let source = LaserRecording::new(log, options)?;
+    let known = source.start_is_known();
+    Ok((Box::new(source), known))
 }
 
 /// What the configuration says, TOML or the parameters of nav2_amcl.
@@ -85,12 +106,12 @@ fn is_yaml(file: &Path) -> bool {
     ending.is_some_and(|ending| ending == "yaml" || ending == "yml")
 }
 
-fn parse_pose(text: &str) -> Result<Pose2> {
+pub(super) fn parse_pose(option: &str, text: &str) -> Result<Pose2> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     match numbers.as_deref() {
         Ok(&[x, y, yaw]) if x.is_finite() && y.is_finite() && yaw.is_finite() => {
             Ok(Pose2::new(x, y, yaw))
         }
-        _ => Err(config::field("--initial-pose", "three finite numbers x,y,yaw", text)),
+        _ => Err(config::field(option, "three finite numbers x,y,yaw", text)),
     }
 }

@@ -3,8 +3,10 @@
 mod format;
 mod laser;
 mod mrclam;
+mod ros;
 
 pub use format::Format;
+pub use ros::RosArgs;
 
 use super::Global;
 use super::progress::Progress;
@@ -21,7 +23,8 @@ use std::path::PathBuf;
 /// Localize the robot of a recording.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ReplayArgs {
-    /// The recording: a folder of MRCLAM files, a CARMEN log, or one of Wean Hall.
+    /// The recording: a bag of ROS 1 or 2, an MCAP file, a folder of MRCLAM files, a CARMEN log,
+    /// or one of Wean Hall.
     #[arg(value_name = "LOG", required_unless_present = "print_config")]
     pub log: Option<PathBuf>,
     /// The format of the recording; found by its contents where left out.
@@ -63,6 +66,9 @@ pub struct ReplayArgs {
     /// Print the settings that suit the format as TOML instead of running.
     #[arg(long)]
     pub print_config: bool,
+    /// What is said about a bag.
+    #[command(flatten)]
+    pub ros: RosArgs,
     /// What to run, and where to write it.
     #[command(flatten)]
     pub output: OutputArgs,
@@ -89,7 +95,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let format = args.format.map_or_else(|| format::guess(log), Ok)?;
     let mut replay = match format {
         Format::Mrclam => mrclam::prepare(args, log)?,
-        Format::Carmen | Format::Wean => laser::prepare(args, log, format)?,
+        Format::Carmen | Format::Wean | Format::Ros => laser::prepare(args, log, format)?,
     };
     replay.settings.seed = args.seed.unwrap_or(replay.settings.seed);
     replay.settings.global |= args.global_start;
@@ -123,7 +129,7 @@ fn print_config(args: &ReplayArgs) -> anyhow::Result<()> {
     let guessed = args.log.as_deref().map(format::guess).transpose()?;
     let text = match args.format.or(guessed).unwrap_or(Format::Mrclam) {
         Format::Mrclam => recording::MRCLAM,
-        Format::Carmen | Format::Wean => recording::LASER,
+        Format::Carmen | Format::Wean | Format::Ros => recording::LASER,
     };
     super::print(text.trim_end())
 }

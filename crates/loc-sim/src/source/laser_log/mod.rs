@@ -36,6 +36,7 @@ pub use select::Scans;
 pub use start::Start;
 
 pub(super) use lines::LogLines;
+pub(super) use start::start_pose;
 pub(super) use words::Words;
 
 use super::{Setup, Source};
@@ -191,7 +192,7 @@ impl Entry {
     }
 
     /// The robot's pose in the map, where the message gives it.
-    fn truth(&self) -> Option<Pose2> {
+    pub(super) fn truth(&self) -> Option<Pose2> {
         match &self.what {
             What::Odometry(_) => None,
             What::Scan(scan) => scan.truth,
@@ -203,7 +204,7 @@ impl Entry {
         matches!(self.what, What::Scan(_))
     }
 
-    fn events(self) -> Vec<Event> {
+    pub(super) fn events(self) -> Vec<Event> {
         let (odometry, truth) = (self.odometry(), self.truth());
         let odometry = odometry.map(|pose| Payload::Control(Control::Odometry(pose)));
         let truth = truth.map(|pose| Payload::Truth(Truth { pose, speed: None }));
@@ -218,7 +219,7 @@ impl Entry {
     }
 }
 
-fn belief(pose: Pose2, sigmas: [f64; 3]) -> Result<Gaussian<3>> {
+pub(super) fn belief(pose: Pose2, sigmas: [f64; 3]) -> Result<Gaussian<3>> {
     for (what, sigma) in
         ["sigma of the start [m]", "sigma of the start [m]", "sigma [rad]"].into_iter().zip(sigmas)
     {

@@ -20,7 +20,10 @@ pub enum Start {
 }
 
 /// The pose at the first scan, and whether anybody knows it.
-pub(super) fn start_pose(log: &mut LaserLog, options: &ReplayOptions) -> Result<(Pose2, bool)> {
+pub(in crate::source) fn start_pose(
+    log: &mut LaserLog,
+    options: &ReplayOptions,
+) -> Result<(Pose2, bool)> {
     let first = log.entries.iter().position(Entry::is_scan).unwrap_or(0);
     let odometry = log.entries.get(first).and_then(Entry::odometry).unwrap_or_default();
     let (pose, known) = match (options.start, by_reference(&log.entries, first)) {

@@ -1,0 +1,72 @@
+//! What the command line says about a bag.
+
+use super::Format;
+use super::laser::parse_pose;
+use crate::source::ros::RosOptions;
+use crate::{Result, config};
+use anyhow::bail;
+use loc_core::motion::VelocityNoise;
+
+/// What is not found in a bag by itself.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct RosArgs {
+    /// The topic with the scans, in a bag with several.
+    #[arg(long, value_name = "TOPIC")]
+    pub scan_topic: Option<String>,
+    /// The topic with the odometry, in a bag with several.
+    #[arg(long, value_name = "TOPIC")]
+    pub odom_topic: Option<String>,
+    /// The topic of a bag with true poses; `/tf` for the recorded transform from map, `none` for
+    /// no reference. Found by its name where left out.
+    #[arg(long, value_name = "TOPIC", conflicts_with = "reference")]
+    pub reference_topic: Option<String>,
+    /// Where the laser sits on the robot, in metres and radians, in place of what a bag says.
+    #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true)]
+    pub laser_mounting: Option<String>,
+    /// Noise to add to the odometry of a bag, as standard deviations: of the distance \[m\] after
+    /// 1 m, of the heading \[deg\] after a full turn, and of the heading \[deg\] after 1 m.
+    #[arg(long, value_name = "DISTANCE,TURN,DRIFT")]
+    pub odom_noise: Option<String>,
+}
+
+impl RosArgs {
+    /// The library's form.
+    pub(super) fn options(&self, seed: u64) -> Result<RosOptions> {
+        let pose = |text: &String| parse_pose("--laser-mounting", text);
+        let noise = |text: &String| Ok::<_, crate::Error>((parse_noise(text)?, seed));
+        Ok(RosOptions {
+            scan_topic: self.scan_topic.clone(),
+            odom_topic: self.odom_topic.clone(),
+            reference_topic: self.reference_topic.clone(),
+            mounting: self.laser_mounting.as_ref().map(pose).transpose()?,
+            odometry_noise: self.odom_noise.as_ref().map(noise).transpose()?,
+        })
+    }
+
+    /// Refuses what only a bag can have.
+    pub(super) fn refuse_unless(&self, format: Format) -> anyhow::Result<()> {
+        let options = [
+            ("--scan-topic", &self.scan_topic),
+            ("--odom-topic", &self.odom_topic),
+            ("--reference-topic", &self.reference_topic),
+            ("--laser-mounting", &self.laser_mounting),
+            ("--odom-noise", &self.odom_noise),
+        ];
+        match options.iter().find(|(_, given)| given.is_some()) {
+            Some((option, _)) if format != Format::Ros => {
+                bail!("{option}: expected a bag of ROS, got another recording")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn parse_noise(text: &str) -> Result<VelocityNoise> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[distance, turn, drift]) => {
+            Ok(VelocityNoise::from_sigmas(distance, turn.to_radians(), drift.to_radians())?)
+        }
+        _ => Err(config::field("--odom-noise", "three numbers distance,turn,drift", text)),
+    }
+}

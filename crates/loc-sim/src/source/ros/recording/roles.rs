@@ -1,0 +1,176 @@
+//! Which topic is what.
+
+use super::{Preview, RosOptions, unsuitable};
+use crate::Result;
+use crate::source::ros::messages::{
+    LaserScan, Message, MultiEchoLaserScan, Odometry, PointCloud2, PoseStamped,
+    PoseWithCovarianceStamped,
+};
+use crate::source::ros::survey::Topic;
+use std::path::Path;
+
+/// What the topics of a bag are used for.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Roles {
+    pub(super) scans: String,
+    pub(super) odometry: OdometryFrom,
+    /// The frame of the robot.
+    pub(super) base: String,
+    pub(super) reference: ReferenceFrom,
+}
+
+/// Where the odometry comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum OdometryFrom {
+    /// A topic of type Odometry.
+    Topic(String),
+    /// The transform of the robot in this frame.
+    Transform(String),
+}
+
+/// Where true poses come from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum ReferenceFrom {
+    Nothing,
+    /// A topic of poses.
+    Topic(String),
+    /// The transforms from this frame, the map's, to the robot.
+    Transform(String),
+}
+
+/// Types of scans, and of true poses.
+const SCANS: [&str; 3] = [LaserScan::NAME, MultiEchoLaserScan::NAME, PointCloud2::NAME];
+const ODOMETRY: [&str; 1] = [Odometry::NAME];
+const POSES: [&str; 3] = [Odometry::NAME, PoseStamped::NAME, PoseWithCovarianceStamped::NAME];
+
+impl Roles {
+    pub(super) fn choose(path: &Path, preview: &Preview, options: &RosOptions) -> Result<Self> {
+        let chooser = Chooser { path, topics: &preview.survey.topics };
+        // A cloud is made a scan of only where there is no laser, or where it is named.
+        let lasers = chooser.of(&SCANS[..2]).next().is_some() && options.scan_topic.is_none();
+        let kinds = if lasers { &SCANS[..2] } else { &SCANS };
+        let scans = chooser.choose("--scan-topic", &options.scan_topic, kinds, "scans")?;
+        let scans = scans.ok_or_else(|| {
+            chooser.missing("a topic of type LaserScan, MultiEchoLaserScan or PointCloud2")
+        })?;
+        let odometry =
+            chooser.choose("--odom-topic", &options.odom_topic, &ODOMETRY, "odometry")?;
+        let (odometry, base) = match odometry {
+            Some(topic) => {
+                let child = preview.odometry_frames.get(&topic).map(|(_, child)| child.as_str());
+                let child = child.filter(|child| !child.is_empty()).unwrap_or("base_link");
+                (OdometryFrom::Topic(topic), child.to_owned())
+            }
+            None => {
+                let is_odom = |frame: &str| frame.contains("odom");
+                let (parent, child) = preview.moving_below(is_odom).ok_or_else(|| {
+                    chooser.missing("a topic of type Odometry, or a transform from a frame odom")
+                })?;
+                (OdometryFrom::Transform(parent.to_owned()), child.to_owned())
+            }
+        };
+        let base = base.trim_start_matches('/').to_owned();
+        let reference = reference(&chooser, preview, options)?;
+        Ok(Roles { scans, odometry, base, reference })
+    }
+}
+
+/// The topic or transform with the true poses.
+fn reference(
+    chooser: &Chooser<'_>,
+    preview: &Preview,
+    options: &RosOptions,
+) -> Result<ReferenceFrom> {
+    let map = preview.moving_below(|frame| frame == "map").map(|(map, _)| map.to_owned());
+    let named = options.reference_topic.as_deref().map(|name| (name, name.trim_start_matches('/')));
+    Ok(match named {
+        Some((_, "none")) => ReferenceFrom::Nothing,
+        Some((_, "tf")) => ReferenceFrom::Transform(map.ok_or_else(|| {
+            chooser.missing("a moving transform from the frame map (--reference-topic /tf)")
+        })?),
+        Some((name, _)) => {
+            let name = Some(name.to_owned());
+            let topic = chooser.choose("--reference-topic", &name, &POSES, "poses")?;
+            topic.map_or(ReferenceFrom::Nothing, ReferenceFrom::Topic)
+        }
+        None => {
+            let mut truths = chooser.of(&POSES).filter(|topic| is_truth(topic));
+            match (truths.next(), map) {
+                (Some(topic), _) => ReferenceFrom::Topic(topic.channel.topic.clone()),
+                (None, Some(map)) => ReferenceFrom::Transform(map),
+                (None, None) => ReferenceFrom::Nothing,
+            }
+        }
+    })
+}
+
+/// Whether the name says that the poses are true.
+fn is_truth(topic: &Topic) -> bool {
+    let name = topic.channel.topic.replace('_', "").to_lowercase();
+    name.contains("groundtruth")
+}
+
+struct Chooser<'a> {
+    path: &'a Path,
+    topics: &'a [Topic],
+}
+
+impl Chooser<'_> {
+    /// The topics with messages of one of several types.
+    fn of<'t>(&'t self, types: &'t [&str]) -> impl Iterator<Item = &'t Topic> {
+        let fits = |topic: &&Topic| types.iter().any(|name| topic.channel.is_of(name));
+        self.topics.iter().filter(|topic| topic.count > 0).filter(fits)
+    }
+
+    /// The topic that is named, or the only one of its types.
+    fn choose(
+        &self,
+        option: &str,
+        named: &Option<String>,
+        types: &[&str],
+        what: &str,
+    ) -> Result<Option<String>> {
+        let plain = |name: &str| name.trim_start_matches('/').to_owned();
+        if let Some(named) = named {
+            let found = self
+                .topics
+                .iter()
+                .filter(|t| t.count > 0)
+                .find(|topic| plain(&topic.channel.topic) == plain(named));
+            let Some(topic) = found else {
+                return Err(self.missing(&format!("messages on {named} ({option})")));
+            };
+            if !types.iter().any(|name| topic.channel.is_of(name)) {
+                let expected = format!("{option} of type {}", types.join(", "));
+                return Err(unsuitable(self.path, expected, &topic.channel.type_name));
+            }
+            return Ok(Some(topic.channel.topic.clone()));
+        }
+        let found: Vec<&str> = self
+            .of(types)
+            .filter(|topic| what != "odometry" || !is_truth(topic))
+            .map(|topic| topic.channel.topic.as_str())
+            .collect();
+        match found.as_slice() {
+            [] => Ok(None),
+            [only] => Ok(Some((*only).to_owned())),
+            several => {
+                let expected = format!("one topic of {what}, or {option} to choose one");
+                Err(unsuitable(self.path, expected, several.join(", ")))
+            }
+        }
+    }
+
+    fn missing(&self, expected: &str) -> crate::Error {
+        let topics: Vec<String> = self
+            .topics
+            .iter()
+            .map(|topic| format!("{} ({})", topic.channel.topic, topic.channel.type_name))
+            .collect();
+        let found = match topics.is_empty() {
+            true => "a bag without messages".to_owned(),
+            false => topics.join(", "),
+        };
+        unsuitable(self.path, expected, found)
+    }
+}
