@@ -3,11 +3,13 @@
 use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
+use super::histogram::Histogram;
 use super::landmark_mcl::SightMcl;
 use super::mcl::ScanMcl;
 use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
+use loc_filters::histogram::GridSettings;
 use loc_filters::landmark::LandmarkSettings;
 use loc_pf::sensor::landmark::SightModel;
 use loc_pf::{LandmarkMclSettings, MclSettings};
@@ -25,6 +27,8 @@ pub enum Method {
     Ekf,
     /// Monte Carlo localization (M).
     Mcl,
+    /// Markov localization on a grid (K1).
+    Histogram,
 }
 
 /// What the methods are told about the robot and its sensors.
@@ -39,6 +43,8 @@ pub struct MethodSettings {
     /// For the particle filter among landmarks; what it shares with the other methods among
     /// landmarks, it takes from there.
     pub landmark_mcl: LandmarkMclSettings,
+    /// For the grid over the poses in a map.
+    pub histogram: GridSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
     /// Seed of the methods that draw random numbers.
@@ -67,7 +73,8 @@ impl MethodSettings {
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 4] = [Method::DeadReckoning, Method::Kf, Method::Ekf, Method::Mcl];
+    pub const ALL: [Method; 5] =
+        [Method::DeadReckoning, Method::Kf, Method::Ekf, Method::Histogram, Method::Mcl];
 
     /// The name, as the command line has it.
     pub fn name(self) -> &'static str {
@@ -76,12 +83,13 @@ impl Method {
             Method::Kf => "kf",
             Method::Ekf => "ekf",
             Method::Mcl => "mcl",
+            Method::Histogram => "histogram",
         }
     }
 
     /// Whether it can find the robot without being told where it starts.
     pub fn can_search(self) -> bool {
-        self == Method::Mcl
+        matches!(self, Method::Mcl | Method::Histogram)
     }
 
     /// Whether it draws random numbers, so that its seed matters.
@@ -106,6 +114,7 @@ impl Method {
             Method::Mcl if setup.has_laser || setup.landmarks.is_empty() => {
                 Box::new(ScanMcl::new(setup, settings)?)
             }
+            Method::Histogram => Box::new(Histogram::new(setup, settings)?),
             Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
         })
     }

@@ -6,6 +6,7 @@ pub mod cloud;
 mod dead_reckoning;
 mod driven;
 mod ekf;
+mod histogram;
 mod landmark_mcl;
 mod mcl;
 mod method;

@@ -6,6 +6,7 @@ use crate::localizer::MethodSettings;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
 use loc_core::error::{non_negative, positive};
 use loc_core::motion::Integration;
+use loc_filters::histogram::GridSettings;
 use loc_filters::landmark::LandmarkSettings;
 use loc_pf::MclSettings;
 use serde::Deserialize;
@@ -26,6 +27,8 @@ pub struct FilterConfig {
     pub horizon_s: Option<f64>,
     /// Settings of the particle filter.
     pub mcl: MclSettings,
+    /// Settings of the grid over the poses in a map.
+    pub histogram: GridSettings,
     /// What the particle filter among landmarks is told beside.
     pub landmark_mcl: LandmarkMclConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
@@ -39,9 +42,11 @@ impl FilterConfig {
     /// [`loc_core::Error::OutOfRange`], and what [`MclSettings::validate`] says.
     pub(super) fn methods(&self, landmark: LandmarkSettings) -> Result<MethodSettings> {
         self.mcl.validate()?;
+        self.histogram.validate()?;
         Ok(MethodSettings {
             landmark: self.apply(landmark)?,
             mcl: self.mcl.clone(),
+            histogram: self.histogram,
             landmark_mcl: self.landmark_mcl.settings()?,
             global: self.global,
             ..MethodSettings::default()

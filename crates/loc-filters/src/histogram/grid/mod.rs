@@ -27,6 +27,7 @@ use loc_maps::OccupancyGrid;
 use loc_maps::grid::GridFrame;
 use loc_sensors::laser::LaserScan;
 use moments::Moments;
+use nalgebra::{Matrix3, Vector3};
 use scan::Scan;
 use sensor::Sensor;
 use space::PoseSpace;
@@ -41,6 +42,15 @@ pub struct GridLocalizer {
     path: Option<DrivenPath>,
     /// Whether a scan was taken in since the start.
     has_seen: bool,
+    /// The most likely place at the last update.
+    found: Found,
+}
+
+/// The most likely place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Found {
+    share: f64,
+    gaussian: Gaussian<3>,
 }
 
 /// What [`GridLocalizer::update`] did.
@@ -76,7 +86,12 @@ impl GridLocalizer {
         let space = PoseSpace::new(map, &settings)?;
         let sensor = Sensor::new(map, &space, &settings)?;
         let belief = Belief::anywhere(&space);
-        Ok(GridLocalizer { settings, space, sensor, belief, path: None, has_seen: false })
+        let gaussian = Gaussian { mean: Vector3::zeros(), covariance: Matrix3::identity() };
+        let found = Found { share: 0.0, gaussian };
+        let mut localizer =
+            GridLocalizer { settings, space, sensor, belief, path: None, has_seen: false, found };
+        localizer.look();
+        Ok(localizer)
     }
 
     /// What it was made with.
@@ -102,6 +117,7 @@ impl GridLocalizer {
     }
 
     fn restart(&mut self) {
+        self.look();
         self.has_seen = false;
         self.path = self.path.map(|path| DrivenPath::starting_at(path.end()));
     }
@@ -147,41 +163,46 @@ impl GridLocalizer {
         belief.predict(&path, space, settings)?;
         self.path = Some(DrivenPath::starting_at(path.end()));
         self.has_seen = true;
-        let Some(scan) = Scan::new(scan, mounting, &sensor.field, space, settings) else {
-            return Ok(GridUpdate::Blind);
+        let mut update = GridUpdate::Blind;
+        if let Some(scan) = Scan::new(scan, mounting, &sensor.field, space, settings) {
+            let correction = belief.correct(&scan, sensor, space, settings.negligible);
+            belief.focus(&correction, &scan, sensor, space, settings)?;
+            update = GridUpdate::Done(GridReport {
+                log_evidence: correction.log_evidence,
+                rated: correction.cells.len(),
+                passed_over: correction.passed_over,
+            });
+        }
+        self.look();
+        Ok(update)
+    }
+
+    /// Finds the most likely place.
+    fn look(&mut self) {
+        let Belief { window, stack, anywhere, .. } = &self.belief;
+        let in_window = window.as_ref().and_then(window::Window::gaussian);
+        let peak = Peak::of(stack, &self.space, &self.settings.fine);
+        self.found = match (in_window, peak) {
+            (Some(gaussian), _) => Found { share: self.belief.in_window(), gaussian },
+            (None, Some(Peak { share, gaussian })) if share > *anywhere => {
+                Found { share, gaussian }
+            }
+            _ => Found { share: 0.0, gaussian: self.mean() },
         };
-        let correction = belief.correct(&scan, sensor, space, settings.negligible);
-        belief.focus(&correction, &scan, sensor, space, settings)?;
-        Ok(GridUpdate::Done(GridReport {
-            log_evidence: correction.log_evidence,
-            rated: correction.cells.len(),
-            passed_over: correction.passed_over,
-        }))
     }
 
-    /// Mean and covariance over (x, y, theta) \[m, m, rad\] of the most likely place: of the fine
-    /// grid, where there is one, else of the surroundings of the most likely cell. Of a robot that
-    /// may be anywhere, those of the whole belief.
+    /// Mean and covariance over (x, y, theta) \[m, m, rad\] of the most likely place, now: of the
+    /// fine grid, where there is one, else of the surroundings of the most likely cell, carried along
+    /// by the way since the last update. Of a robot that may be anywhere, those of the whole belief.
     pub fn estimate(&self) -> Gaussian<3> {
-        let window = self.belief.window.as_ref();
-        if let Some(gaussian) = window.and_then(window::Window::gaussian) {
-            return gaussian;
-        }
-        let peak = Peak::of(&self.belief.stack, &self.space, &self.settings.fine);
-        match peak.filter(|peak| peak.share > self.belief.anywhere) {
-            Some(peak) => peak.gaussian,
-            None => self.mean(),
-        }
+        let Found { gaussian, .. } = self.found;
+        self.path.map_or(gaussian, |path| self.settings.motion.belief_after(&path, &gaussian))
     }
 
-    /// The probability of the place that [`estimate`](GridLocalizer::estimate) describes.
+    /// The probability of the place that [`estimate`](GridLocalizer::estimate) describes; 0 for a
+    /// robot that may be anywhere.
     pub fn certainty(&self) -> f64 {
-        match &self.belief.window {
-            Some(window) => window.stack().total(),
-            None => Peak::of(&self.belief.stack, &self.space, &self.settings.fine)
-                .filter(|peak| peak.share > self.belief.anywhere)
-                .map_or(0.0, |peak| peak.share),
-        }
+        self.found.share
     }
 
     /// Mean and covariance over (x, y, theta) \[m, m, rad\] of the whole belief.
@@ -194,10 +215,7 @@ impl GridLocalizer {
             }
         }
         let (cell, sector) = (self.space.squares().resolution(), self.space.heading_step());
-        moments.gaussian(cell, sector).unwrap_or(Gaussian {
-            mean: Pose2::IDENTITY.to_vector(),
-            covariance: nalgebra::Matrix3::identity(),
-        })
+        moments.gaussian(cell, sector).unwrap_or(self.found.gaussian)
     }
 
     /// The squares of the map that probabilities are kept for.
