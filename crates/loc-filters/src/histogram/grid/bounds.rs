@@ -8,6 +8,7 @@
 //! The maxima lie sorted by their column and row modulo the side of a square: the ends of one beam
 //! seen from a row of squares are then neighbours in memory, and are added up many at a time.
 
+use super::picture::{Phases, Picture};
 use super::scan::Scan;
 use super::space::PoseSpace;
 use loc_maps::LikelihoodField;
@@ -36,14 +37,6 @@ pub(super) struct BoundMaps {
     off_map: u8,
 }
 
-/// A picture, sorted by column and row modulo the side of a square.
-#[derive(Debug, Clone)]
-struct Phases {
-    codes: Vec<u8>,
-    /// Columns and rows of each part.
-    part: [usize; 2],
-}
-
 /// The sums of a layer.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LayerBounds {
@@ -58,9 +51,11 @@ impl BoundMaps {
             let last = reaches[reaches.len() - 1];
             reaches.push(((last as f64 * GROWTH) as usize).max(last + 1));
         }
-        let margin = reaches[SIZES - 1].next_multiple_of(side);
+        // So wide that what lies at its edge sees nothing of the map.
+        let margin = (2 * reaches[SIZES - 1]).next_multiple_of(side);
         let picture = Picture::padded(field, margin);
-        let maps = reaches.iter().map(|&reach| Phases::of(&picture.highest(reach), side)).collect();
+        let highest = |&reach: &usize| Phases::of(&picture.highest(reach), side);
+        let maps = reaches.iter().map(highest).collect();
         BoundMaps { reaches, maps, margin, side, off_map: field.code_off_map() }
     }
 
@@ -102,26 +97,34 @@ impl BoundMaps {
             return;
         };
         let corner = space.corner_of(0);
-        let place = |corner: usize, end: f64| {
-            let from_corner = (0.5 * self.side as f64 + end).floor() as isize;
-            let at = corner as isize + self.margin as isize + from_corner;
-            (at.rem_euclid(self.side as isize) as usize, at.div_euclid(self.side as isize))
-        };
-        let ((phase_x, column), (phase_y, row)) = (place(corner[0], x), place(corner[1], y));
-        let part = map.part(phase_y * self.side + phase_x);
-        let [columns, rows] = map.part;
+        let ((phase_x, column), (phase_y, row)) =
+            (self.place(corner[0], x), self.place(corner[1], y));
+        let part = map.part(phase_x, phase_y);
+        let [columns, rows] = map.part_size();
         let inside = overlap(column, columns, width);
+        let off_map = u16::from(self.off_map);
         for (k, sums) in sums.chunks_exact_mut(width).enumerate() {
-            let row = usize::try_from(row + k as isize).ok().filter(|row| *row < rows);
-            let inside = if row.is_some() { inside.clone() } else { 0..0 };
+            let Some(row) = usize::try_from(row + k as isize).ok().filter(|row| *row < rows) else {
+                sums.iter_mut().for_each(|sum| *sum += off_map);
+                continue;
+            };
             let (before, rest) = sums.split_at_mut(inside.start);
             let (within, after) = rest.split_at_mut(inside.len());
-            before.iter_mut().chain(after).for_each(|sum| *sum += u16::from(self.off_map));
-            let first =
-                row.unwrap_or(0) * columns + (column + inside.start as isize).max(0) as usize;
+            before.iter_mut().for_each(|sum| *sum += off_map);
+            after.iter_mut().for_each(|sum| *sum += off_map);
+            let first = row * columns + (column + inside.start as isize).max(0) as usize;
             let codes = part.get(first..first + within.len()).unwrap_or_default();
             within.iter_mut().zip(codes).for_each(|(sum, code)| *sum += u16::from(*code));
         }
+    }
+
+    /// Phase and place of the cell in which a beam ends from the middle of the first square, along
+    /// one axis.
+    fn place(&self, corner: usize, end: f64) -> (usize, isize) {
+        let from_corner = (0.5 * self.side as f64 + end).floor() as isize;
+        let at = (corner + self.margin) as isize + from_corner;
+        let side = self.side as isize;
+        (at.rem_euclid(side) as usize, at.div_euclid(side))
     }
 }
 
@@ -130,98 +133,4 @@ fn overlap(start: isize, length: usize, count: usize) -> std::ops::Range<usize> 
     let clip = |end: isize| end.clamp(0, count as isize) as usize;
     let first = clip(-start);
     first..clip(length as isize - start).max(first)
-}
-
-impl Phases {
-    fn of(picture: &Picture, side: usize) -> Self {
-        let part = [picture.width.div_ceil(side), picture.height().div_ceil(side)];
-        let mut codes = vec![0; part[0] * part[1] * side * side];
-        for (row, from) in picture.codes.chunks_exact(picture.width).enumerate() {
-            for (column, &code) in from.iter().enumerate() {
-                let phase = row % side * side + column % side;
-                let place = (phase * part[1] + row / side) * part[0] + column / side;
-                codes[place] = code;
-            }
-        }
-        // Cells that the last squares have beyond the picture count as its last ones.
-        if !picture.width.is_multiple_of(side) || !picture.height().is_multiple_of(side) {
-            let last = [picture.width - 1, picture.height() - 1];
-            for row in 0..part[1] * side {
-                for column in 0..part[0] * side {
-                    if row > last[1] || column > last[0] {
-                        let code =
-                            picture.codes[row.min(last[1]) * picture.width + column.min(last[0])];
-                        let phase = row % side * side + column % side;
-                        codes[(phase * part[1] + row / side) * part[0] + column / side] = code;
-                    }
-                }
-            }
-        }
-        Phases { codes, part }
-    }
-
-    fn part(&self, phase: usize) -> &[u8] {
-        let length = self.part[0] * self.part[1];
-        self.codes.get(phase * length..(phase + 1) * length).unwrap_or_default()
-    }
-}
-
-/// Codes row by row.
-struct Picture {
-    width: usize,
-    codes: Vec<u8>,
-}
-
-impl Picture {
-    fn padded(field: &LikelihoodField, margin: usize) -> Self {
-        let (width, height) = (field.frame().width(), field.frame().height());
-        let pitch = width + 2 * margin;
-        let mut codes = vec![field.code_off_map(); pitch * (height + 2 * margin)];
-        let rows = codes.chunks_exact_mut(pitch).skip(margin);
-        for (padded, row) in rows.zip(field.cell_codes().chunks_exact(width)) {
-            padded[margin..margin + width].copy_from_slice(row);
-        }
-        Picture { width: pitch, codes }
-    }
-
-    fn height(&self) -> usize {
-        self.codes.len() / self.width
-    }
-
-    /// The highest code in the window that reaches so many cells to all sides of each cell. Cells
-    /// beyond the edge are those of the edge, which is margin.
-    fn highest(&self, reach: usize) -> Picture {
-        let across: Vec<u8> = self
-            .codes
-            .chunks_exact(self.width)
-            .flat_map(|row| highest_of_line(row.to_vec(), reach))
-            .collect();
-        let height = self.height();
-        let mut codes = vec![0; across.len()];
-        for column in 0..self.width {
-            let line = (0..height).map(|row| across[row * self.width + column]).collect();
-            for (row, code) in highest_of_line(line, reach).into_iter().enumerate() {
-                codes[row * self.width + column] = code;
-            }
-        }
-        Picture { width: self.width, codes }
-    }
-}
-
-/// The highest value within `reach` of each place of a line, by windows that double in length.
-fn highest_of_line(line: Vec<u8>, reach: usize) -> Vec<u8> {
-    let count = line.len();
-    // With `covered` values from each place on known, two such windows make one twice as long.
-    let (mut ahead, mut covered) = (line, 1);
-    while 2 * covered <= 2 * reach + 1 {
-        for k in 0..count {
-            ahead[k] = ahead[k].max(ahead[(k + covered).min(count - 1)]);
-        }
-        covered *= 2;
-    }
-    let window = |k: usize| {
-        let (first, last) = (k.saturating_sub(reach), (k + reach + 1).saturating_sub(covered));
-        ahead[first].max(ahead[last.max(first).min(count - 1)])
-    };
-    (0..count).map(window).collect()
 }

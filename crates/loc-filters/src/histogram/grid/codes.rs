@@ -1,16 +1,16 @@
 //! The likelihood field with a margin, for rating a whole square at once.
 
+use super::picture::Picture;
 use loc_maps::LikelihoodField;
 
 /// The codes of the field row by row, with a margin that stands for all that lies off the map.
 #[derive(Debug, Clone)]
 pub(super) struct PaddedCodes {
-    codes: Vec<u8>,
+    picture: Picture,
     /// Columns and rows of the map.
     map: [usize; 2],
     /// Cells along the side of a square; the margin is as wide.
     side: usize,
-    pitch: usize,
 }
 
 /// Where beams end, as columns and rows from the robot's cell.
@@ -18,14 +18,8 @@ pub(super) type Ends = [[i32; 2]];
 
 impl PaddedCodes {
     pub(super) fn new(field: &LikelihoodField, side: usize) -> Self {
-        let (width, height) = (field.frame().width(), field.frame().height());
-        let pitch = width + 2 * side;
-        let mut codes = vec![field.code_off_map(); pitch * (height + 2 * side)];
-        let rows = codes.chunks_exact_mut(pitch).skip(side);
-        for (padded, row) in rows.zip(field.cell_codes().chunks_exact(width)) {
-            padded[side..side + width].copy_from_slice(row);
-        }
-        PaddedCodes { codes, map: [width, height], side, pitch }
+        let map = [field.frame().width(), field.frame().height()];
+        PaddedCodes { picture: Picture::padded(field, side), map, side }
     }
 
     /// For each cell of the square with this corner, the sum of the codes at the ends of beams from
@@ -53,17 +47,18 @@ impl PaddedCodes {
             let padded = at as i64 + i64::from(by) + self.side as i64;
             padded.clamp(0, (cells + self.side) as i64) as usize
         };
-        place(row, dy, self.map[1]) * self.pitch + place(column, dx, self.map[0])
+        place(row, dy, self.map[1]) * self.picture.width() + place(column, dx, self.map[0])
     }
 
     #[inline(always)]
     fn add<const SIDE: usize>(&self, corner: [usize; 2], ends: &Ends, sums: &mut [u32]) {
+        let (codes, pitch) = (self.picture.codes(), self.picture.width());
         let mut of_square = [[0_u32; SIDE]; SIDE];
         for &end in ends {
             let start = self.start(corner, end);
             for (row, sums) in of_square.iter_mut().enumerate() {
-                let codes = self.codes.get(start + row * self.pitch..);
-                let codes: &[u8; SIDE] = codes.and_then(<[u8]>::first_chunk).unwrap_or(&[0; SIDE]);
+                let ahead = codes.get(start + row * pitch..);
+                let codes: &[u8; SIDE] = ahead.and_then(<[u8]>::first_chunk).unwrap_or(&[0; SIDE]);
                 for (sum, &code) in sums.iter_mut().zip(codes) {
                     *sum += u32::from(code);
                 }
@@ -73,11 +68,12 @@ impl PaddedCodes {
     }
 
     fn add_any(&self, corner: [usize; 2], ends: &Ends, sums: &mut [u32]) {
+        let (codes, pitch) = (self.picture.codes(), self.picture.width());
         for &end in ends {
             let start = self.start(corner, end);
             for (row, sums) in sums.chunks_exact_mut(self.side).enumerate() {
-                let first = start + row * self.pitch;
-                let codes = self.codes.get(first..first + self.side).unwrap_or_default();
+                let first = start + row * pitch;
+                let codes = codes.get(first..first + self.side).unwrap_or_default();
                 sums.iter_mut().zip(codes).for_each(|(sum, &code)| *sum += u32::from(code));
             }
         }

@@ -3,7 +3,7 @@
 
 use super::belief::Belief;
 use super::correct::Correction;
-use super::moments::Moments;
+use super::moments::Sums;
 use super::scan::Scan;
 use super::sensor::Sensor;
 use super::settings::{FineSettings, GridSettings};
@@ -15,30 +15,56 @@ use loc_core::{Gaussian, Pose2, angle};
 use std::collections::BTreeMap;
 
 /// The places about the most likely cell of the coarse grid, as far as a fine grid reaches.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Peak {
     /// Their probability.
     pub(super) share: f64,
     /// Their mean and covariance.
     pub(super) gaussian: Gaussian<3>,
+    /// The pose of the most likely cell.
+    middle: Pose2,
 }
 
 impl Peak {
+    /// The place about the most likely cell of those that `is_open` lets count; `None` where these
+    /// hold nothing.
+    fn among(
+        stack: &Stack,
+        space: &PoseSpace,
+        settings: &FineSettings,
+        is_open: impl Fn(Pose2) -> bool,
+    ) -> Option<Self> {
+        let open = || {
+            let cells = stack.cells().map(|(layer, place, mass)| (space.pose(layer, place), mass));
+            cells.filter(|(pose, _)| is_open(*pose))
+        };
+        let (middle, _) = open().reduce(|best, cell| if cell.1 > best.1 { cell } else { best })?;
+        let near = || open().filter(|(pose, _)| is_within(*pose, middle, settings));
+        let (cell, sector) = (space.squares().resolution(), space.heading_step());
+        let (share, gaussian) = Sums::gaussian(near, cell, sector)?;
+        Some(Peak { share, gaussian, middle })
+    }
+
     /// `None` for a grid that holds nothing.
     pub(super) fn of(stack: &Stack, space: &PoseSpace, settings: &FineSettings) -> Option<Self> {
-        let most = stack.cells().fold(None, |best: Option<(usize, usize, f64)>, cell| {
-            if best.is_none_or(|best| cell.2 > best.2) { Some(cell) } else { best }
-        })?;
-        let middle = space.pose(most.0, most.1);
-        let mut moments = Moments::default();
-        for (layer, place, mass) in stack.cells() {
-            let pose = space.pose(layer, place);
-            if is_within(pose, middle, settings) {
-                moments.add(pose, mass);
-            }
+        Peak::among(stack, space, settings, |_| true)
+    }
+
+    /// Up to `most` places that do not overlap, the most likely cells first.
+    pub(super) fn several(
+        stack: &Stack,
+        space: &PoseSpace,
+        settings: &FineSettings,
+        most: usize,
+    ) -> Vec<Self> {
+        let mut peaks: Vec<Peak> = Vec::new();
+        while peaks.len() < most {
+            let is_open =
+                |pose: Pose2| peaks.iter().all(|peak| !is_within(pose, peak.middle, settings));
+            let Some(peak) = Peak::among(stack, space, settings, is_open) else { break };
+            peaks.push(peak);
         }
-        let gaussian = moments.gaussian(space.squares().resolution(), space.heading_step())?;
-        Some(Peak { share: moments.total(), gaussian })
+        peaks
     }
 }
 

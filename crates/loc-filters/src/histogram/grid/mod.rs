@@ -1,254 +1,67 @@
 //! Markov localization of a robot with a laser: a grid over (x, y, heading) (K1).
+//!
+//! The free part of a map is divided into squares and the full turn into sectors; each pair of them
+//! is a cell with a probability. A motion shifts each layer of one heading by the way that a robot
+//! with this heading has driven, and blurs it by what odometry may be off by. A scan multiplies
+//! each cell by how likely it is there: P(x | s) = alpha P(s | x) P(x) (Burgard, Fox, Hennig and
+//! Schmidt, "Estimating the absolute position of a mobile robot using position probability grids",
+//! 1996; Fox, Burgard and Thrun, "Markov localization for mobile robots in dynamic environments",
+//! 1999).
+//!
+//! A cell stands for all of its poses. Its likelihood is therefore the mean over them, taken over
+//! the free map cells of the square and several headings of the sector, each a product of lookups
+//! in the [likelihood field](loc_maps::likelihood_field). Two things keep that cheap:
+//!
+//! - **Bounds.** For each cell it is first asked how likely the scan can be at best in any of its
+//!   poses, from maxima of the field that are computed once. Cells which even so have together no
+//!   more than the share `negligible` of the result are passed over. What the result is off by is
+//!   at most that, and [`GridReport::passed_over`] tells it.
+//! - **A fine grid** of 0.04 m and half a degree, which follows the most likely place (Burgard,
+//!   Derr, Fox and Cremers, "Integrating global position estimation and position tracking for
+//!   mobile robots: the dynamic Markov localization approach", 1998). Both grids share one
+//!   probability of 1: what is near the most likely place is kept in the fine grid, all else in the
+//!   coarse one.
+//!
+//! A robot that was carried off is found again because no place is ever ruled out: with each motion
+//! the share `kidnap_rate` is spread evenly over the map (K1). A scan that does not fit where the
+//! robot was, but fits elsewhere, moves the belief there at once. Where odometry has failed (slip,
+//! a push), the coarse grid catches the robot: a share of each motion is as uncertain as it is long.
+//!
+//! ```
+//! use loc_core::Pose2;
+//! use loc_core::random::stream;
+//! use loc_filters::histogram::{GridLocalizer, GridSettings};
+//! use loc_maps::worlds::{self, WorldSettings};
+//! use loc_sensors::laser::{LaserScanner, LaserSpec};
+//! let map = worlds::office(&WorldSettings { width: 200, height: 200, ..Default::default() })?.grid;
+//! let mut localizer = GridLocalizer::new(&map, GridSettings::default())?;
+//! let laser = LaserScanner::new(LaserSpec::sick_lms100())?;
+//! let robot = Pose2::new(3.0, 2.5, 1.2);
+//! let scan = laser.scan(&map, robot, &mut stream(1, "sensor"));
+//! localizer.update(Pose2::IDENTITY, &scan, Pose2::IDENTITY)?;
+//! assert!(localizer.estimate().pose().distance(robot) < 0.05 && localizer.certainty() > 0.9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod belief;
 mod bounds;
 mod codes;
 mod correct;
 mod focus;
+mod localizer;
 mod moments;
 mod motion;
+mod picture;
+mod readout;
 mod scan;
 mod sensor;
 mod settings;
 mod space;
 mod stack;
 mod start;
+#[cfg(test)]
+mod tests;
 mod window;
 
+pub use localizer::{GridLocalizer, GridReport, GridUpdate};
 pub use settings::{FineSettings, GridSettings};
-
-use crate::Result;
-use belief::Belief;
-use focus::Peak;
-use loc_core::error::finite;
-use loc_core::motion::DrivenPath;
-use loc_core::{Gaussian, Pose2};
-use loc_maps::OccupancyGrid;
-use loc_maps::grid::GridFrame;
-use loc_sensors::laser::LaserScan;
-use moments::Moments;
-use nalgebra::{Matrix3, Vector3};
-use scan::Scan;
-use sensor::Sensor;
-use space::PoseSpace;
-
-/// A robot followed by a histogram over all of its poses.
-#[derive(Debug, Clone)]
-pub struct GridLocalizer {
-    settings: GridSettings,
-    space: PoseSpace,
-    sensor: Sensor,
-    belief: Belief,
-    path: Option<DrivenPath>,
-    /// Whether a scan was taken in since the start.
-    has_seen: bool,
-    /// The most likely place at the last update.
-    found: Found,
-}
-
-/// The most likely place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Found {
-    share: f64,
-    gaussian: Gaussian<3>,
-}
-
-/// What [`GridLocalizer::update`] did.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum GridUpdate {
-    /// Nothing but noting the odometry: the robot has not moved enough since the last update.
-    StoodStill,
-    /// The belief was moved along, but no beam of the scan says anything.
-    Blind,
-    /// The belief was moved along and corrected.
-    Done(GridReport),
-}
-
-/// How an update went.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GridReport {
-    /// Logarithm of the mean likelihood of the scan over the predicted belief.
-    pub log_evidence: f64,
-    /// How many cells of the grid over the map were rated.
-    pub rated: usize,
-    /// The most that all the others can have of the belief.
-    pub passed_over: f64,
-}
-
-impl GridLocalizer {
-    /// A robot that may be anywhere on the free part of a map.
-    ///
-    /// # Errors
-    /// Settings out of range; [`crate::Error::NoFreeSpace`], and [`loc_core::Error::Length`] for
-    /// cells so small that the grid would not fit into memory.
-    pub fn new(map: &OccupancyGrid, settings: GridSettings) -> Result<Self> {
-        settings.validate()?;
-        let space = PoseSpace::new(map, &settings)?;
-        let sensor = Sensor::new(map, &space, &settings)?;
-        let belief = Belief::anywhere(&space);
-        let gaussian = Gaussian { mean: Vector3::zeros(), covariance: Matrix3::identity() };
-        let found = Found { share: 0.0, gaussian };
-        let mut localizer =
-            GridLocalizer { settings, space, sensor, belief, path: None, has_seen: false, found };
-        localizer.look();
-        Ok(localizer)
-    }
-
-    /// What it was made with.
-    pub fn settings(&self) -> &GridSettings {
-        &self.settings
-    }
-
-    /// The robot is near a pose, with the uncertainty of `start` over (x, y, theta) \[m, m, rad\].
-    ///
-    /// # Errors
-    /// [`loc_core::Error`] for a belief that is none, [`crate::Error::NoRoom`] where it has no free
-    /// place in reach.
-    pub fn start_at(&mut self, start: &Gaussian<3>) -> Result<()> {
-        self.belief.start_near(start, &self.space, &self.settings)?;
-        self.restart();
-        Ok(())
-    }
-
-    /// Nobody knows where the robot is.
-    pub fn start_anywhere(&mut self) {
-        self.belief.forget();
-        self.restart();
-    }
-
-    fn restart(&mut self) {
-        self.look();
-        self.has_seen = false;
-        self.path = self.path.map(|path| DrivenPath::starting_at(path.end()));
-    }
-
-    /// Notes where the odometry is, between two scans: the noise of a way depends on how long it
-    /// was, which its ends alone do not tell.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for a pose that is not finite, which is not noted.
-    pub fn odometry(&mut self, pose: Pose2) -> Result<()> {
-        finite("x of the odometry [m]", pose.x)?;
-        finite("y of the odometry [m]", pose.y)?;
-        finite("heading of the odometry [rad]", pose.theta)?;
-        self.path.get_or_insert(DrivenPath::starting_at(pose)).extend(pose);
-        Ok(())
-    }
-
-    /// Takes in the odometry's pose and what the laser, which sits at `mounting` on the robot
-    /// (`base_from_laser`), measured there. The first scan after a start counts in any case, later
-    /// ones when the robot has moved enough.
-    ///
-    /// # Errors
-    /// A scan that cannot be one ([`LaserScan::check`]) and a pose that is not finite; the belief
-    /// stays as it was then.
-    pub fn update(
-        &mut self,
-        odometry: Pose2,
-        scan: &LaserScan,
-        mounting: Pose2,
-    ) -> Result<GridUpdate> {
-        scan.check()?;
-        finite("mounting of a laser", mounting.to_vector().sum())?;
-        self.odometry(odometry)?;
-        let Some(path) = self.path else { return Ok(GridUpdate::StoodStill) };
-        let step = path.step();
-        if self.has_seen
-            && f64::hypot(step.x, step.y) < self.settings.update_distance
-            && step.theta.abs() < self.settings.update_turn
-        {
-            return Ok(GridUpdate::StoodStill);
-        }
-        let GridLocalizer { settings, space, sensor, belief, .. } = self;
-        belief.predict(&path, space, settings)?;
-        self.path = Some(DrivenPath::starting_at(path.end()));
-        self.has_seen = true;
-        let mut update = GridUpdate::Blind;
-        if let Some(scan) = Scan::new(scan, mounting, &sensor.field, space, settings) {
-            let correction = belief.correct(&scan, sensor, space, settings.negligible);
-            belief.focus(&correction, &scan, sensor, space, settings)?;
-            update = GridUpdate::Done(GridReport {
-                log_evidence: correction.log_evidence,
-                rated: correction.cells.len(),
-                passed_over: correction.passed_over,
-            });
-        }
-        self.look();
-        Ok(update)
-    }
-
-    /// Finds the most likely place.
-    fn look(&mut self) {
-        let Belief { window, stack, anywhere, .. } = &self.belief;
-        let in_window = window.as_ref().and_then(window::Window::gaussian);
-        let peak = Peak::of(stack, &self.space, &self.settings.fine);
-        self.found = match (in_window, peak) {
-            (Some(gaussian), _) => Found { share: self.belief.in_window(), gaussian },
-            (None, Some(Peak { share, gaussian })) if share > *anywhere => {
-                Found { share, gaussian }
-            }
-            _ => Found { share: 0.0, gaussian: self.mean() },
-        };
-    }
-
-    /// Mean and covariance over (x, y, theta) \[m, m, rad\] of the most likely place, now: of the
-    /// fine grid, where there is one, else of the surroundings of the most likely cell, carried along
-    /// by the way since the last update. Of a robot that may be anywhere, those of the whole belief.
-    pub fn estimate(&self) -> Gaussian<3> {
-        let Found { gaussian, .. } = self.found;
-        self.path.map_or(gaussian, |path| self.settings.motion.belief_after(&path, &gaussian))
-    }
-
-    /// The probability of the place that [`estimate`](GridLocalizer::estimate) describes; 0 for a
-    /// robot that may be anywhere.
-    pub fn certainty(&self) -> f64 {
-        self.found.share
-    }
-
-    /// Mean and covariance over (x, y, theta) \[m, m, rad\] of the whole belief.
-    pub fn mean(&self) -> Gaussian<3> {
-        let mut moments = Moments::default();
-        for layer in 0..self.space.size().headings {
-            let positions = self.layer_probabilities(layer);
-            for (place, p) in positions.into_iter().enumerate().filter(|(_, p)| *p > 0.0) {
-                moments.add(self.space.pose(layer, place), p);
-            }
-        }
-        let (cell, sector) = (self.space.squares().resolution(), self.space.heading_step());
-        moments.gaussian(cell, sector).unwrap_or(self.found.gaussian)
-    }
-
-    /// The squares of the map that probabilities are kept for.
-    pub fn squares(&self) -> &GridFrame {
-        self.space.squares()
-    }
-
-    /// The probability of each square, whatever the heading, row by row from the bottom; their sum
-    /// is 1.
-    pub fn position_probabilities(&self) -> Vec<f64> {
-        let size = self.space.size();
-        let mut sums = vec![0.0; size.layer()];
-        for layer in 0..size.headings {
-            let of_layer = self.layer_probabilities(layer);
-            sums.iter_mut().zip(of_layer).for_each(|(sum, p)| *sum += p);
-        }
-        sums
-    }
-
-    /// All parts of the belief put together for one heading.
-    fn layer_probabilities(&self, layer: usize) -> Vec<f64> {
-        let mut sums = self.belief.stack.layer(layer).to_vec();
-        for (place, sum) in sums.iter_mut().enumerate() {
-            *sum += self.belief.anywhere * self.space.share(place);
-        }
-        if let Some(window) = &self.belief.window {
-            for (fine, place, mass) in window.stack().cells() {
-                match self.space.cell_of(window.pose(fine, place)) {
-                    Some((of, place)) if of == layer => sums[place] += mass,
-                    _ => {}
-                }
-            }
-        }
-        sums
-    }
-}

@@ -4,7 +4,7 @@
 //! its cells need not: only what odometry may be off by blurs them. What leaves it is not lost but
 //! handed back.
 
-use super::moments::Moments;
+use super::moments::Sums;
 use super::motion::{Lattice, Step};
 use super::settings::FineSettings;
 use super::space::{PoseSpace, check_count};
@@ -111,11 +111,12 @@ impl Window {
 
     /// Mean and covariance of what is here; `None` without anything.
     pub(super) fn gaussian(&self) -> Option<Gaussian<3>> {
-        let mut moments = Moments::default();
-        self.stack
-            .cells()
-            .for_each(|(layer, place, mass)| moments.add(self.pose(layer, place), mass));
-        moments.gaussian(self.lattice.cell, self.lattice.heading_step)
+        let cells = || {
+            let cells = self.stack.cells();
+            cells.map(|(layer, place, mass)| (self.pose(layer, place), mass))
+        };
+        let (_, gaussian) = Sums::gaussian(cells, self.lattice.cell, self.lattice.heading_step)?;
+        Some(gaussian)
     }
 
     /// Moves the middle by whole cells to where the mean of what is here lies.
