@@ -39,7 +39,7 @@ fn sightings(slam: &EkfSlam, count: u32) -> Vec<Sighting> {
     (0..count)
         .map(|k| {
             let id = 7 + 11 * k;
-            let at = slam.landmark(id).expect("known").position.mean;
+            let at = slam.landmark(id).expect("positive").expect("known").position.mean;
             let (dx, dy) = (at.x - pose.x, at.y - pose.y);
             let bearing = loc_core::angle::wrap(dy.atan2(dx) - pose.theta);
             Sighting { landmark: id, sight: Sight::RangeBearing { range: dx.hypot(dy), bearing } }
@@ -105,6 +105,8 @@ fn updates(c: &mut Criterion) {
     });
     group.finish();
 
+    submap(c);
+
     let mut group = c.benchmark_group("ekf-slam/motion");
     for n in [100, 1000_u32] {
         let slam = driven(n, SlamSettings::default());
@@ -120,6 +122,32 @@ fn updates(c: &mut Criterion) {
             );
         });
     }
+    group.finish();
+}
+
+/// 20 of 2000 landmarks in hand: a step among them, and what leaving them costs.
+fn submap(c: &mut Criterion) {
+    let mut group = c.benchmark_group("ekf-slam/20-of-2000");
+    // So small that the landmarks in hand are those that were seen, and no others.
+    let settings = SlamSettings { submap_radius: Some(0.1), ..SlamSettings::default() };
+    let mut slam = driven(2000, settings);
+    let seen = sightings(&slam, 20);
+    slam.correct(&seen).expect("finite");
+    let mut forward = 1.0;
+    group.bench_function("motion and 1 sighting", |bencher| {
+        bencher.iter(|| {
+            forward = -forward;
+            slam.predict(black_box(Twist2::forward(0.01 * forward, 0.0)), 0.1).expect("finite");
+            slam.correct(black_box(&seen[..1])).expect("finite")
+        });
+    });
+    let elsewhere = see(slam.pose().expect("positive").pose(), 1999);
+    group.sample_size(10).bench_function("leaving and coming back", |bencher| {
+        bencher.iter(|| {
+            slam.correct(&[elsewhere]).expect("finite");
+            slam.correct(black_box(&seen)).expect("finite")
+        });
+    });
     group.finish();
 }
 

@@ -9,6 +9,7 @@ pub mod innovation;
 pub mod kalman;
 pub mod landmark;
 pub mod lateration;
+pub mod line_matching;
 pub mod slam;
 
 pub use error::{Error, Result};

@@ -16,7 +16,7 @@
 //! ```
 
 use crate::resample::Wheel;
-use crate::{Kld, Likelihood, Motion, Particles, Resampling, Workers};
+use crate::{Kld, KldSettings, Likelihood, Motion, Particles, Resampling, Workers};
 use loc_core::random::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -32,6 +32,15 @@ pub struct ParticleFilter {
     workers: Workers,
 }
 
+/// What a measurement says of the cloud as a whole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weighing {
+    /// Logarithm of the mean likelihood; -inf where no particle can explain the measurement.
+    pub log_evidence: f64,
+    /// Effective sample size afterwards; see [`Particles::effective_sample_size`].
+    pub effective_sample_size: f64,
+}
+
 impl ParticleFilter {
     /// A filter that starts from a cloud and draws from `rng`, on the calling thread.
     pub fn new(particles: Particles, rng: ChaCha8Rng) -> Self {
@@ -44,6 +53,11 @@ impl ParticleFilter {
     pub fn with_workers(mut self, workers: Workers) -> Self {
         self.workers = workers;
         self
+    }
+
+    /// The threads.
+    pub(crate) fn workers(&self) -> &Workers {
+        &self.workers
     }
 
     /// The cloud.
@@ -76,23 +90,35 @@ impl ParticleFilter {
         self.workers.rate(&mut self.particles, measurement);
     }
 
+    /// Both [`weigh`](ParticleFilter::weigh) and [`normalize`](ParticleFilter::normalize), in one
+    /// pass over the cloud.
+    pub fn correct(&mut self, measurement: &impl Likelihood) -> Weighing {
+        let ParticleFilter { workers, particles, .. } = self;
+        let mass = workers.rate_and_add_up(particles, measurement);
+        let log_evidence = workers.divide_by(particles, &mass);
+        let is_weighed = log_evidence > f64::NEG_INFINITY;
+        let effective_sample_size =
+            if is_weighed { mass.effective_sample_size() } else { particles.len() as f64 };
+        Weighing { log_evidence, effective_sample_size }
+    }
+
     /// Makes the weights add up to 1; see [`Particles::normalize`].
     pub fn normalize(&mut self) -> f64 {
-        self.particles.normalize()
+        let mass = self.workers.add_up(&self.particles);
+        self.workers.divide_by(&mut self.particles, &mass)
     }
 
     /// Draws `count` particles in proportion to their weights (M8, M9), which are equal afterwards.
     pub fn resample(&mut self, scheme: Resampling, count: usize) {
-        self.wheel.set(self.particles.log_weights());
-        scheme.spin(&self.wheel, count, &mut self.rng, &mut self.indices);
+        let ParticleFilter { workers, wheel, particles, rng, indices, .. } = self;
+        wheel.set_by(workers, particles.log_weights());
+        scheme.spin_by(workers, wheel, count, rng, indices);
         self.copy_drawn();
     }
 
     /// The same with as many particles as the spread of the cloud asks for; says how many.
     pub fn resample_adaptively(&mut self, scheme: Resampling, kld: &mut Kld) -> usize {
-        self.wheel.set(self.particles.log_weights());
-        let poses = self.particles.poses();
-        kld.draw(scheme, &self.wheel, poses, &mut self.rng, &mut self.indices);
+        self.draw_adaptively(scheme, kld);
         self.copy_drawn();
         self.particles.len()
     }
@@ -104,15 +130,28 @@ impl ParticleFilter {
 
     /// How many particles the spread of the cloud asks for.
     pub fn count_needed(&mut self, kld: &mut Kld) -> usize {
-        self.wheel.set(self.particles.log_weights());
-        let (poses, scheme) = (self.particles.poses(), Resampling::Systematic);
-        kld.draw(scheme, &self.wheel, poses, &mut self.rng, &mut self.indices);
+        self.draw_adaptively(Resampling::Systematic, kld);
         self.indices.len()
+    }
+
+    fn draw_adaptively(&mut self, scheme: Resampling, kld: &mut Kld) {
+        let ParticleFilter { workers, wheel, particles, rng, indices, .. } = self;
+        wheel.set_by(workers, particles.log_weights());
+        let KldSettings { min_particles, max_particles, .. } = *kld.settings();
+        if min_particles == max_particles {
+            return scheme.spin_by(workers, wheel, max_particles, rng, indices);
+        }
+        kld.draw_by(workers, scheme, wheel, particles.poses(), rng, indices);
     }
 
     fn copy_drawn(&mut self) {
         std::mem::swap(&mut self.particles, &mut self.spare);
-        self.particles.copy_selected(&self.spare, &self.indices);
+        self.workers.copy_selected(&mut self.particles, &self.spare, &self.indices);
+    }
+
+    /// [`Particles::effective_sample_size`], by all threads.
+    pub(crate) fn effective_sample_size(&self) -> f64 {
+        self.workers.add_up(&self.particles).effective_sample_size()
     }
 
     /// Does `work` on every part, each with a random stream of its own.

@@ -14,6 +14,7 @@
 //! assert!((cloud.effective_sample_size() - 1.0).abs() < 1e-9);
 //! ```
 
+use crate::Workers;
 use crate::log_weights;
 use loc_core::{Gaussian, Pose2};
 use rand::Rng;
@@ -63,6 +64,12 @@ impl<'a> Poses<'a> {
         self.x.is_empty()
     }
 
+    /// The poses in parts of `size`, which must not be 0; the last part may be smaller.
+    pub(crate) fn chunks(self, size: usize) -> impl ExactSizeIterator<Item = Poses<'a>> {
+        let parts = self.x.chunks(size).zip(self.y.chunks(size)).zip(self.theta.chunks(size));
+        parts.map(|((x, y), theta)| Poses { x, y, theta })
+    }
+
     /// One pose.
     ///
     /// # Panics
@@ -72,9 +79,30 @@ impl<'a> Poses<'a> {
     }
 
     /// The poses one by one.
-    pub fn iter(self) -> impl Iterator<Item = Pose2> + 'a {
+    pub fn iter(self) -> impl Iterator<Item = Pose2> + Clone + 'a {
         let coordinates = self.x.iter().zip(self.y).zip(self.theta);
         coordinates.map(|((&x, &y), &theta)| Pose2 { x, y, theta })
+    }
+}
+
+impl<'a> PosesMut<'a> {
+    /// The poses in parts of `size`, which must not be 0; the last part may be smaller.
+    pub(crate) fn chunks(self, size: usize) -> impl ExactSizeIterator<Item = PosesMut<'a>> {
+        let PosesMut { x, y, theta } = self;
+        let parts = x.chunks_mut(size).zip(y.chunks_mut(size)).zip(theta.chunks_mut(size));
+        parts.map(|((x, y), theta)| PosesMut { x, y, theta })
+    }
+
+    /// Becomes the poses of `other` at `indices`, of which there are as many.
+    pub(crate) fn copy_selected(self, other: Poses<'_>, indices: &[u32]) {
+        let pick = |target: &mut [f64], from: &[f64]| {
+            for (target, &index) in target.iter_mut().zip(indices) {
+                *target = from[index as usize];
+            }
+        };
+        pick(self.x, other.x);
+        pick(self.y, other.y);
+        pick(self.theta, other.theta);
     }
 }
 
@@ -206,6 +234,25 @@ impl Particles {
         (Poses { x: &self.x, y: &self.y, theta: &self.theta }, &mut self.log_weight)
     }
 
+    /// Poses and log weights to change, at the same time.
+    pub(crate) fn columns_mut(&mut self) -> (PosesMut<'_>, &mut [f64]) {
+        let poses = PosesMut { x: &mut self.x, y: &mut self.y, theta: &mut self.theta };
+        (poses, &mut self.log_weight)
+    }
+
+    /// Becomes the given poses with the given log weights, of which there are as many.
+    pub(crate) fn refill(
+        &mut self,
+        poses: impl Iterator<Item = Pose2> + Clone,
+        log_weights: impl Iterator<Item = f64>,
+    ) {
+        self.clear();
+        self.x.extend(poses.clone().map(|pose| pose.x));
+        self.y.extend(poses.clone().map(|pose| pose.y));
+        self.theta.extend(poses.map(|pose| pose.theta));
+        self.log_weight.extend(log_weights);
+    }
+
     /// The weight of one particle.
     ///
     /// # Panics
@@ -223,7 +270,7 @@ impl Particles {
     /// [`weights`](Particles::weights) and without underflow; NaN counts as 0. Where none is above
     /// 0 they count as equal.
     pub fn relative_weights(&self, relative: &mut Vec<f64>) {
-        log_weights::relative(&self.log_weight, relative);
+        log_weights::relative(&Workers::one(), &self.log_weight, relative);
     }
 
     /// Gives every particle the weight 1 / M.
@@ -238,16 +285,15 @@ impl Particles {
     /// Weights that are all 0, or infinite, say nothing about the particles: they become equal, and
     /// the answer is -inf. A single weight that is not a number becomes 0.
     pub fn normalize(&mut self) -> f64 {
-        log_weights::normalize(&mut self.log_weight).unwrap_or_else(|| {
-            self.set_equal_weights();
-            f64::NEG_INFINITY
-        })
+        let workers = Workers::one();
+        let mass = workers.add_up(self);
+        workers.divide_by(self, &mass)
     }
 
     /// How many particles of equal weight would carry as much information:
     /// `(sum w)^2 / sum w^2`, between 1 and M; 0 where no weight is above 0.
     pub fn effective_sample_size(&self) -> f64 {
-        log_weights::effective_sample_size(&self.log_weight)
+        Workers::one().add_up(self).effective_sample_size()
     }
 
     /// Becomes the particles of `other` at `indices`, with equal weights.
@@ -255,14 +301,15 @@ impl Particles {
     /// # Panics
     /// Where an index has no particle.
     pub fn copy_selected(&mut self, other: &Particles, indices: &[u32]) {
-        let pick = |target: &mut Vec<f64>, from: &[f64]| {
-            target.clear();
-            target.extend(indices.iter().map(|&index| from[index as usize]));
-        };
-        pick(&mut self.x, &other.x);
-        pick(&mut self.y, &other.y);
-        pick(&mut self.theta, &other.theta);
-        self.log_weight.resize(indices.len(), 0.0);
+        self.resize(indices.len());
+        self.poses_mut().copy_selected(other.poses(), indices);
+    }
+
+    /// Makes room for `count` particles of equal weights; their poses are whatever they are.
+    pub(crate) fn resize(&mut self, count: usize) {
+        for column in [&mut self.x, &mut self.y, &mut self.theta, &mut self.log_weight] {
+            column.resize(count, 0.0);
+        }
         self.set_equal_weights();
     }
 }

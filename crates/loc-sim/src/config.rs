@@ -10,13 +10,22 @@ pub(crate) fn parse<T: DeserializeOwned>(file: &str, text: &str, changes: &[Stri
     if changes.is_empty() {
         return toml::from_str(text).map_err(|e| error(file, &located(text, &e)));
     }
+    let config = Value::Table(table(file, text, changes)?);
+    let file = format!("{file} with --set {}", changes.join(" --set "));
+    config.try_into().map_err(|e: toml::de::Error| error(&file, e.message()))
+}
+
+/// The table of a configuration, after changes of the form `key.subkey=value`.
+pub(crate) fn table(file: &str, text: &str, changes: &[String]) -> Result<Table> {
     let table: Table = toml::from_str(text).map_err(|e| error(file, &located(text, &e)))?;
     let mut config = Value::Table(table);
     for change in changes {
         apply(&mut config, change).map_err(|message| error("--set", &message))?;
     }
-    let file = format!("{file} with --set {}", changes.join(" --set "));
-    config.try_into().map_err(|e: toml::de::Error| error(&file, e.message()))
+    match config {
+        Value::Table(table) => Ok(table),
+        _ => Ok(Table::new()),
+    }
 }
 
 /// Settings after changes of the form `key.subkey=value`; `name` says whose they are.
@@ -88,7 +97,7 @@ fn set<'k>(place: &mut Value, keys: &[&'k str], value: Value) -> Result<(), &'k 
 }
 
 /// A TOML value, or the text itself where it is none: `filter.integration=euler`.
-fn parse_value(text: &str) -> Value {
+pub(crate) fn parse_value(text: &str) -> Value {
     let parsed: Result<Table, _> = toml::from_str(&format!("value = {text}"));
     let value = parsed.ok().and_then(|mut table| table.remove("value"));
     value.unwrap_or_else(|| Value::String(text.into()))

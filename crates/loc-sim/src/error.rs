@@ -78,6 +78,25 @@ pub enum Error {
         /// The source.
         source_name: String,
     },
+    /// The folder of a study holds runs of another one.
+    #[error(
+        "{}: holds the runs of another study ({difference}); go on with the options it was begun \
+         with, name another folder with --out, or delete the file to begin anew",
+        path.display()
+    )]
+    OtherStudy {
+        /// The journal.
+        path: PathBuf,
+        /// What the two studies differ in.
+        difference: String,
+    },
+    /// The folder of a study is in use.
+    #[error("{}: another study is writing there; wait for it, or name another folder with --out",
+        path.display())]
+    Busy {
+        /// The journal.
+        path: PathBuf,
+    },
     /// A run without a single true pose.
     #[error("{source_name}: expected true poses to judge by, got none")]
     NoTruth {

@@ -17,5 +17,6 @@ pub mod runner;
 pub mod scenario;
 pub mod sense;
 pub mod source;
+pub mod study;
 
 pub use error::{Error, Result};

@@ -12,7 +12,7 @@ fn main() -> ExitCode {
         Err(error) => {
             // Where even this cannot be written, the exit code has to do.
             let _ = writeln!(std::io::stderr(), "error: {}", cli::one_line(&error));
-            ExitCode::FAILURE
+            cli::exit_code(&error).into()
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::event::{Event, Measurement, Payload, Truth};
 use crate::localizer::{Localizer, Method, MethodSettings};
-use crate::record::{MethodRecord, Run, Snapshots};
+use crate::record::{LineMoments, MethodRecord, Run, Snapshots};
 use crate::source::{Setup, Source};
 use crate::{Error, Result};
 use loc_core::Stamped;
@@ -19,6 +19,14 @@ pub trait Watcher {
     /// The share of the run that is done, in \[0, 1\], after every estimate.
     fn progress(&mut self, share: f64);
 
+    /// What is known before the first event, and the methods that are to run.
+    ///
+    /// # Errors
+    /// Whatever ends the run.
+    fn started(&mut self, _setup: &Setup, _methods: &[Method]) -> Result<()> {
+        Ok(())
+    }
+
     /// An event, before any method takes it in.
     ///
     /// # Errors
@@ -33,6 +41,30 @@ pub trait Watcher {
     /// Whatever ends the run.
     fn estimated(&mut self, _stamp: f64, _methods: &[&dyn Localizer]) -> Result<()> {
         Ok(())
+    }
+}
+
+/// Two watchers, the second where there is one.
+pub(crate) struct Both<'a, A, B>(pub(crate) &'a mut A, pub(crate) &'a mut Option<B>);
+
+impl<A: Watcher, B: Watcher> Watcher for Both<'_, A, B> {
+    fn progress(&mut self, share: f64) {
+        self.0.progress(share);
+    }
+
+    fn started(&mut self, setup: &Setup, methods: &[Method]) -> Result<()> {
+        self.0.started(setup, methods)?;
+        self.1.as_mut().map_or(Ok(()), |second| second.started(setup, methods))
+    }
+
+    fn event(&mut self, event: &Event) -> Result<()> {
+        self.0.event(event)?;
+        self.1.as_mut().map_or(Ok(()), |second| second.event(event))
+    }
+
+    fn estimated(&mut self, stamp: f64, methods: &[&dyn Localizer]) -> Result<()> {
+        self.0.estimated(stamp, methods)?;
+        self.1.as_mut().map_or(Ok(()), |second| second.estimated(stamp, methods))
     }
 }
 
@@ -77,6 +109,7 @@ pub fn run_watched(
     for &method in methods {
         runners.push(Runner::new(method, &setup, settings)?);
     }
+    watcher.started(&setup, methods)?;
     let samples_at = if source.has_truth() { is_truth } else { is_scan };
     let (mut stamps, mut truth): (Vec<f64>, Vec<Stamped<Truth>>) = Default::default();
     while let Some(event) = source.next_event()? {
@@ -100,8 +133,17 @@ pub fn run_watched(
         return Err(Error::NoTruth { source_name: setup.name });
     }
     let notes = source.notes();
-    let methods = runners.into_iter().map(|runner| runner.record).collect();
-    Ok(Run { setup, settings: settings.clone(), stamps, truth, methods, notes, film: None })
+    let methods = runners.into_iter().map(Runner::finish).collect::<Result<_>>()?;
+    Ok(Run {
+        setup,
+        settings: settings.clone(),
+        stamps,
+        truth,
+        truth_has_heading: source.truth_has_heading(),
+        methods,
+        notes,
+        film: None,
+    })
 }
 
 fn is_truth(event: &Event) -> bool {
@@ -126,6 +168,8 @@ impl Runner {
             estimates: Vec::new(),
             judgements: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),
+            lines: LineMoments::new(setup.start, setup.end),
+            map: None,
             updates: 0,
             runtime: 0.0,
         };
@@ -158,7 +202,14 @@ impl Runner {
         if matches!(event.payload, Payload::Measurement(_)) {
             self.keep_cloud(stamp);
         }
+        if let Some(update) = self.localizer.lines().filter(|_| is_scan(event)) {
+            self.record.lines.offer(stamp, update);
+        }
         Ok(())
+    }
+
+    fn finish(self) -> Result<MethodRecord> {
+        Ok(MethodRecord { map: self.localizer.map()?, ..self.record })
     }
 
     fn estimate(&mut self, stamp: f64) -> Result<()> {

@@ -152,16 +152,11 @@ impl PathNoise {
         )
     }
 
-    /// The least variances, which every step has.
-    pub fn least_variances(&self) -> Vector3<f64> {
-        let position = self.least_position.powi(2);
-        Vector3::new(position, position, self.least_heading.powi(2))
-    }
-
-    /// Variances that come on top where odometry has failed: it is off by about what it reports.
-    pub fn fault_variances(&self, path: &DrivenPath) -> Vector3<f64> {
-        let (way, turn) = (path.length, 0.3 * path.turned + 0.1 * path.length);
-        Vector3::new(way.powi(2), (0.3 * way).powi(2), turn.powi(2))
+    /// Standard deviations along a way \[m\], across it \[m\] and of the heading \[rad\] where
+    /// odometry has failed on it: it is then off by about what it reports.
+    pub fn fault_sigmas(path: &DrivenPath) -> Vector3<f64> {
+        let (way, turned) = (path.length, path.turned);
+        Vector3::new(way, 0.3 * way, 0.3 * turned + 0.1 * way)
     }
 
     /// A step along a way from `pose`, with `variances` along it, across it and of the heading.

@@ -10,7 +10,12 @@ pub(super) struct Fit {
     pub(super) landmark: usize,
     pub(super) nis: f64,
     pub(super) log_likelihood: f64,
+    /// Whether it passes the gate; one that does not may still be a rival to one that does.
+    pub(super) compatible: bool,
 }
+
+/// How much smaller a rival's covariance may be, in logarithms of the determinant.
+pub(super) const SLACK: f64 = 4.0;
 
 /// For each sighting the landmarks that it may be of, nearest first.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +27,14 @@ pub(super) struct Candidates {
 }
 
 impl Candidates {
-    pub(super) fn new<const M: usize>(pairing: &impl Pairing<M>, gate: &Gate) -> Result<Self> {
+    /// With a `lead` above 0 also the pairs that may be rivals: less likely than one that passes the
+    /// gate by no more than that, in logarithms.
+    pub(super) fn new<const M: usize>(
+        pairing: &impl Pairing<M>,
+        gate: &Gate,
+        lead: f64,
+    ) -> Result<Self> {
+        let wide = if lead > 0.0 { gate.threshold(M) + 2.0 * lead + SLACK } else { 0.0 };
         let (sightings, landmarks) = (pairing.sightings(), pairing.landmarks());
         let mut candidates = Candidates {
             fits: vec![Vec::new(); sightings],
@@ -32,7 +44,7 @@ impl Candidates {
         for sighting in 0..sightings {
             for landmark in 0..landmarks {
                 if let Some(pair) = pairing.innovation(sighting, landmark) {
-                    candidates.judge(sighting, landmark, &pair, gate)?;
+                    candidates.judge((sighting, landmark), &pair, gate, wide)?;
                 }
             }
             candidates.fits[sighting]
@@ -43,17 +55,18 @@ impl Candidates {
 
     fn judge<const M: usize>(
         &mut self,
-        sighting: usize,
-        landmark: usize,
+        (sighting, landmark): (usize, usize),
         pair: &PairInnovation<M>,
         gate: &Gate,
+        wide: f64,
     ) -> Result<()> {
         finite("residual of a sighting", &pair.residual)?;
         let (innovation, _) = Innovation::new(pair.residual, pair.covariance, gate)?;
         self.nearest[sighting] = self.nearest[sighting].min(innovation.nis);
-        if innovation.accepted {
+        let (nis, compatible) = (innovation.nis, innovation.accepted);
+        if compatible || nis <= wide {
             let log_likelihood = innovation.log_likelihood();
-            self.fits[sighting].push(Fit { landmark, nis: innovation.nis, log_likelihood });
+            self.fits[sighting].push(Fit { landmark, nis, log_likelihood, compatible });
         }
         Ok(())
     }

@@ -12,6 +12,10 @@
 //! * [`Rule::JointCompatibility`] looks for the largest set of pairs that fit *together*. A robot
 //!   that is off by half a metre sees all landmarks displaced alike, and only this rule knows.
 //!
+//! A wrong pair does more harm than a missing one. So all three leave a sighting out where another
+//! landmark, or something that is not in the map, explains it about as well
+//! ([`AssociationSettings::least_ratio`], [`Pairing::elsewhere`]).
+//!
 //! Line maps, landmark maps and SLAM use the same rules through their own [`Pairing`].
 //!
 //! ```
@@ -34,7 +38,8 @@
 //!
 //! // Both are seen 0.9 too far to the right, so that the nearest landmark is the wrong one.
 //! let line = OnALine { seen: [0.9, 2.4], known: [0.0, 1.5, 3.1] };
-//! let by = |rule| Associator::new(AssociationSettings { rule, ..Default::default() });
+//! let trusting = AssociationSettings { least_ratio: 1.0, ..AssociationSettings::default() };
+//! let by = |rule| Associator::new(AssociationSettings { rule, ..trusting });
 //! let nearest = by(Rule::NearestNeighbor)?.associate(&line)?;
 //! assert_eq!(nearest.partners, [Some(1), Some(2)]);
 //! let joint = by(Rule::JointCompatibility)?.associate(&line)?;
@@ -74,6 +79,14 @@ pub trait Pairing<const M: usize> {
     /// question, which a pairing that has a cheap test says without computing more.
     fn innovation(&self, sighting: usize, landmark: usize) -> Option<PairInnovation<M>>;
 
+    /// Density of sightings like this one, per unit of its `M` numbers, were it not of any landmark
+    /// here: where the camera sees all around, one over what it sees. A pair must then be
+    /// likelier than that by [`AssociationSettings::least_ratio`]. 0 where everything that can be
+    /// seen is known.
+    fn elsewhere(&self, _sighting: usize) -> f64 {
+        0.0
+    }
+
     /// Covariance between the innovations of two pairs (sighting, landmark) of different
     /// sightings, `H_a P H_b^T`, M x M. Zero unless both depend on the same unknown, such as the
     /// robot's pose; a particle filter, which knows the pose of each particle, leaves it at zero.
@@ -85,7 +98,8 @@ pub trait Pairing<const M: usize> {
 /// Which sighting is of which landmark.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Association {
-    /// For each sighting its landmark, or `None` for one that fits none. No landmark occurs twice.
+    /// For each sighting its landmark, or `None` for one that fits none, or two about equally well.
+    /// No landmark occurs twice.
     pub partners: Vec<Option<usize>>,
     /// For each sighting the NIS with the landmark that fits it best on its own, whoever got that
     /// landmark; infinite where the pairing rules all of them out. It tells a sighting of
@@ -116,10 +130,16 @@ impl Associator {
     /// An associator from its settings.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for a gate probability outside (0, 1].
+    /// [`loc_core::Error::OutOfRange`] for a gate probability outside (0, 1], and for a ratio below 1.
     pub fn new(settings: AssociationSettings) -> Result<Self> {
         let gate = Gate::probability(settings.gate_probability)?;
         let joint = joint::JointGate::new(settings.gate_probability)?;
+        loc_core::error::in_range(
+            "least ratio of two likelihoods",
+            ">= 1",
+            settings.least_ratio,
+            |r| r.is_finite() && r >= 1.0,
+        )?;
         Ok(Associator { settings, gate, joint })
     }
 
@@ -143,11 +163,16 @@ impl Associator {
         pairing: &impl Pairing<M>,
         budget: &mut usize,
     ) -> Result<Association> {
-        let candidates = Candidates::new(pairing, &self.gate)?;
+        let lead = self.settings.least_ratio.ln();
+        let candidates = Candidates::new(pairing, &self.gate, lead)?;
         let (partners, complete) = match self.settings.rule {
-            Rule::NearestNeighbor => (candidates.greedy(|fit| fit.nis), true),
-            Rule::MaximumLikelihood => (candidates.greedy(|fit| -fit.log_likelihood), true),
-            Rule::JointCompatibility => joint::search(pairing, &candidates, &self.joint, budget),
+            Rule::NearestNeighbor => (candidates.greedy(pairing, lead, |fit| fit.nis), true),
+            Rule::MaximumLikelihood => {
+                (candidates.greedy(pairing, lead, |fit| -fit.log_likelihood), true)
+            }
+            Rule::JointCompatibility => {
+                joint::search(pairing, &candidates, &self.joint, lead, budget)
+            }
         };
         Ok(Association { partners, nearest: candidates.nearest, complete })
     }

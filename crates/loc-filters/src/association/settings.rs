@@ -23,6 +23,10 @@ pub struct AssociationSettings {
     pub rule: Rule,
     /// Share of right pairs (and of right sets of pairs) that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
+    /// A pair is believed only if the best set of pairs without it is that many times less likely;
+    /// 1 to believe the likelier one, however little. A sighting that two landmarks explain about
+    /// equally well is better left out than given to the wrong one.
+    pub least_ratio: f64,
     /// The most hypotheses that the joint search looks at for the sightings of one moment.
     pub search_limit: usize,
 }
@@ -38,6 +42,7 @@ impl Default for AssociationSettings {
         AssociationSettings {
             rule: Rule::JointCompatibility,
             gate_probability: 0.99,
+            least_ratio: 10.0,
             search_limit: 5_000,
         }
     }

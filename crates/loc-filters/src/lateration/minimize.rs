@@ -28,16 +28,30 @@ pub(super) struct Row {
     pub(super) gradient: Unknowns,
     /// Its standard deviation under the noise.
     pub(super) sigma: f64,
+    /// The part of its variance that it shares with no other term.
+    pub(super) own_variance: f64,
     /// What it is divided by in the cost: its sigma for the most likely unknowns.
     pub(super) scale: f64,
     /// How much outliers cost.
     pub(super) loss: Loss,
 }
 
+impl Row {
+    /// A term without residual whose noise is its own and which counts by it.
+    pub(super) fn like(sigma: f64, loss: Loss) -> Self {
+        let (own_variance, scale) = (sigma * sigma, sigma);
+        Row { residual: 0.0, gradient: Unknowns::zeros(), sigma, own_variance, scale, loss }
+    }
+}
+
 /// A sum of squares, or of robust losses.
 pub(super) trait Problem {
     /// The terms of the sum at given unknowns.
     fn rows(&self, at: &Unknowns, visit: &mut dyn FnMut(&Row));
+    /// What terms share of their noise, as the covariance of half the sum's gradient.
+    fn shared_noise(&self, _at: &Unknowns) -> Square {
+        Square::zeros()
+    }
     /// How far each unknown can be off at most, in its unit; 0 for one that is known.
     fn reach(&self) -> Unknowns;
 }
@@ -74,7 +88,7 @@ impl Sum {
             sum.slope.axpy(weight * row.residual, &row.gradient, 1.0);
             sum.information.ger(weight, &row.gradient, &row.gradient, 1.0);
             // Reweighted residuals have the variance sigma^2 / weight.
-            let variance = row.sigma * row.sigma * weight / (row.scale * row.scale);
+            let variance = row.own_variance * weight / (row.scale * row.scale);
             sum.noise.ger(variance, &row.gradient, &row.gradient, 1.0);
         });
         sum
@@ -133,7 +147,7 @@ fn scaled(matrix: &Square, by: &Unknowns) -> Square {
 /// deviation is how far the sum needs to grow by 1, and no more than the reach of the unknowns.
 fn covariance(problem: &dyn Problem, at: &Unknowns, sum: &Sum, reach: &Unknowns) -> Square {
     let axes = SymmetricEigen::new(scaled(&sum.information, reach));
-    let noise = scaled(&sum.noise, reach);
+    let noise = scaled(&(sum.noise + problem.shared_noise(at)), reach);
     // Below rounding a curvature is none.
     let flat = 1e-12 * axes.eigenvalues.max();
     let mut inverse = Square::zeros();

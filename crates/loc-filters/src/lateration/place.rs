@@ -34,15 +34,12 @@ impl<'a, const D: usize> Place<'a, D> {
         gradient[SCALE] = distance;
         gradient[OFFSET] = 1.0;
         match self.settings.cost {
-            Cost::Distances => {
-                Row { residual, gradient, sigma: range.sigma, scale: range.sigma, loss }
-            }
+            Cost::Distances => Row { residual, gradient, ..Row::like(range.sigma, loss) },
             Cost::Squares => Row {
                 residual: residual * (expected + range.distance),
                 gradient: 2.0 * expected * gradient,
-                sigma: square_sigma(range),
                 scale: self.square,
-                loss,
+                ..Row::like(square_sigma(range), loss)
             },
         }
     }
@@ -94,7 +91,7 @@ pub(super) fn bias_rows(bias: &BiasPrior, at: &Unknowns, visit: &mut dyn FnMut(&
             let mut gradient = Unknowns::zeros();
             gradient[k] = 1.0;
             let residual = at[k] - usual;
-            visit(&Row { residual, gradient, sigma, scale: sigma, loss: Loss::Quadratic });
+            visit(&Row { residual, gradient, ..Row::like(sigma, Loss::Quadratic) });
         }
     }
 }

@@ -3,7 +3,8 @@
 use super::state::{LargeState, Row};
 use crate::{Gate, Innovation, Result};
 use loc_core::Gaussian;
-use loc_core::error::{non_negative, positive};
+use loc_core::error::non_negative;
+use loc_core::gaussian::cholesky;
 use nalgebra::{DMatrix, Matrix2, Point2, Vector2};
 use std::collections::BTreeMap;
 
@@ -14,8 +15,6 @@ use std::collections::BTreeMap;
 pub struct LinearSlamSettings {
     /// Variance of the way driven along each axis, per metre of it \[m^2/m\].
     pub k_d: f64,
-    /// Standard deviation of a landmark's relative position, along each axis \[m\].
-    pub sight_sigma: f64,
     /// Share of right sightings that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
     /// The map takes no more landmarks than this.
@@ -23,14 +22,9 @@ pub struct LinearSlamSettings {
 }
 
 impl Default for LinearSlamSettings {
-    /// 5 cm after 1 m, 5 cm in a sighting.
+    /// 5 cm after 1 m.
     fn default() -> Self {
-        LinearSlamSettings {
-            k_d: 0.0025,
-            sight_sigma: 0.05,
-            gate_probability: 0.999,
-            most_landmarks: 3000,
-        }
+        LinearSlamSettings { k_d: 0.0025, gate_probability: 0.999, most_landmarks: 3000 }
     }
 }
 
@@ -41,6 +35,8 @@ pub struct RelativeSighting {
     pub landmark: u32,
     /// Where it is from the robot, along the axes of the map \[m\].
     pub offset: Vector2<f64>,
+    /// Covariance of that \[m^2\], positive definite.
+    pub covariance: Matrix2<f64>,
 }
 
 /// Kalman filter over the robot's position (x, y) and the positions of all landmarks seen so far
@@ -49,10 +45,11 @@ pub struct RelativeSighting {
 /// ```
 /// use loc_core::Gaussian;
 /// use loc_filters::slam::{LinearSlam, LinearSlamSettings, RelativeSighting};
-/// use nalgebra::Vector2;
+/// use nalgebra::{Matrix2, Vector2};
 /// let start = Gaussian::certain(Vector2::zeros());
 /// let mut slam = LinearSlam::new(start, LinearSlamSettings::default())?;
-/// let see = |x| RelativeSighting { landmark: 1, offset: Vector2::new(x, 2.0) };
+/// let covariance = Matrix2::identity() * 0.0025;
+/// let see = |x| RelativeSighting { landmark: 1, offset: Vector2::new(x, 2.0), covariance };
 /// slam.correct(&[see(3.0)])?;
 /// slam.predict(Vector2::new(1.0, 0.0), 1.0)?;
 /// slam.correct(&[see(2.1)])?;
@@ -74,7 +71,6 @@ impl LinearSlam {
     /// [`loc_core::Error`] for a belief or settings that are not valid.
     pub fn new(start: Gaussian<2>, settings: LinearSlamSettings) -> Result<Self> {
         non_negative("k_d [m^2/m]", settings.k_d)?;
-        positive("sigma of a sighting [m]", settings.sight_sigma)?;
         let gate = Gate::probability(settings.gate_probability)?;
         let state = LargeState::new(start.mean, start.covariance)?;
         Ok(LinearSlam { state, settings, gate, numbers: BTreeMap::new() })
@@ -97,7 +93,8 @@ impl LinearSlam {
     /// for one that put a new landmark into the map, or that a full map has no room for.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] for a sighting: none is then used.
+    /// [`crate::Error::NotFinite`] for a sighting, [`loc_core::Error::NotACovariance`] for its
+    /// covariance: none is then used.
     /// [`crate::Error::LostPositivity`], with the step: the filter cannot go on.
     pub fn correct(
         &mut self,
@@ -105,6 +102,7 @@ impl LinearSlam {
     ) -> Result<Vec<Option<Innovation<2>>>> {
         for sighting in sightings {
             crate::innovation::finite("position of a landmark", &sighting.offset)?;
+            cholesky("covariance of a sighting", &sighting.covariance)?;
         }
         let mut innovations = Vec::with_capacity(sightings.len());
         for group in sightings.chunks(crate::association::AssociationSettings::GROUP) {
@@ -135,20 +133,14 @@ impl LinearSlam {
     ) -> Result<Innovation<2>> {
         let expected = self.state.position(landmark).coords - self.state.robot();
         let residual = sighting.offset - expected;
-        let variance = self.settings.sight_sigma.powi(2);
         let cross = self.state.cross(landmark);
         let covariance = self.state.robot_covariance() + self.state.block(landmark, landmark)
             - cross
             - cross.transpose()
-            + Matrix2::identity() * variance;
+            + sighting.covariance;
         let innovation = self.state.innovation(residual, covariance, &self.gate)?;
         if innovation.accepted {
-            rows.extend([0, 1].map(|axis| {
-                let along = Vector2::ith(axis, 1.0);
-                let by_landmark = [along.x, along.y];
-                let residual = residual[axis];
-                Row { landmark, by_robot: -along, by_landmark, residual, variance }
-            }));
+            rows.extend(whitened_rows(landmark, sighting, &residual)?);
         }
         Ok(innovation)
     }
@@ -165,8 +157,7 @@ impl LinearSlam {
         }
         if self.state.len() < self.settings.most_landmarks {
             let position = Point2::from(self.state.robot() + sighting.offset);
-            let noise = Matrix2::identity() * self.settings.sight_sigma.powi(2);
-            self.state.push(position, &Matrix2::identity(), &noise)?;
+            self.state.push(position, &Matrix2::identity(), &sighting.covariance)?;
             self.numbers.insert(sighting.landmark, self.state.len() - 1);
         }
         Ok(None)
@@ -200,4 +191,24 @@ impl LinearSlam {
     pub fn covariance(&self) -> Result<DMatrix<f64>> {
         self.state.checked_covariance()
     }
+}
+
+/// The two rows of a sighting, turned and scaled so that their noise is independent, of variance 1.
+fn whitened_rows(
+    landmark: usize,
+    sighting: &RelativeSighting,
+    residual: &Vector2<f64>,
+) -> Result<[Row<2>; 2]> {
+    let lower = cholesky("covariance of a sighting", &sighting.covariance)?.l();
+    let (l11, l21, l22) = (lower.m11, lower.m21, lower.m22);
+    let first = Vector2::new(1.0 / l11, 0.0);
+    let second = Vector2::new(-l21 / (l11 * l22), 1.0 / l22);
+    Ok([first, second].map(|along| Row {
+        landmark,
+        by_robot: -along,
+        by_landmark: [along.x, along.y],
+        other: None,
+        residual: along.dot(residual),
+        variance: 1.0,
+    }))
 }

@@ -8,7 +8,7 @@
 //!
 //! * [`LinearSlam`] is the simplest case, a robot that slides without turning (I1);
 //! * [`EkfSlam`] has a heading, sees distance and direction, and can do without numbers on the
-//!   landmarks (I2 to I4).
+//!   landmarks (I2 to I4). [`SlamLocalizer`] around it takes stamped inputs as they come.
 //!
 //! ```
 //! use loc_core::{Gaussian, Pose2, Twist2};
@@ -21,13 +21,14 @@
 //! slam.correct(&[see(4.0)])?;
 //! slam.predict(Twist2::forward(1.0, 0.0), 1.0)?;
 //! slam.correct(&[see(2.9)])?;
-//! let (robot, landmark) = (slam.pose()?, slam.landmark(7).unwrap());
+//! let (robot, landmark) = (slam.pose()?, slam.landmark(7)?.unwrap());
 //! assert!(robot.mean.x > 1.0 && (landmark.position.mean.x - 3.95).abs() < 0.05);
 //! # Ok::<(), loc_filters::Error>(())
 //! ```
 
 mod ekf;
 mod linear;
+mod localizer;
 mod state;
 
 pub use ekf::{
@@ -35,3 +36,4 @@ pub use ekf::{
     SlamVerdict,
 };
 pub use linear::{LinearSlam, LinearSlamSettings, RelativeSighting};
+pub use localizer::SlamLocalizer;

@@ -9,4 +9,5 @@ mod innovation;
 mod kalman;
 mod landmark;
 mod lateration;
+mod line_matching;
 mod slam;

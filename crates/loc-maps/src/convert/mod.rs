@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | lines, points | grid | [`LineMap::to_grid`], [`LineMap::rasterize`], [`PointMap::to_grid`], [`PointMap::rasterize`] |
 //! | grid | points | [`PointMap::from_grid`] |
-//! | grid | lines | [`LineMap::from_grid`] |
+//! | grid | lines | [`LineMap::from_grid`], [`LineMap::outline`] |
 //! | lines | points | [`PointMap::from_lines`] |
 //! | scans with poses | points | [`PointMap::from_scans`] |
 //! | grid | places | [`TopologicalMap::from_grid`](crate::TopologicalMap::from_grid) |
@@ -29,6 +29,7 @@
 //! [`LineMap::to_grid`]: crate::LineMap::to_grid
 //! [`LineMap::rasterize`]: crate::LineMap::rasterize
 //! [`LineMap::from_grid`]: crate::LineMap::from_grid
+//! [`LineMap::outline`]: crate::LineMap::outline
 //! [`PointMap::to_grid`]: crate::PointMap::to_grid
 //! [`PointMap::rasterize`]: crate::PointMap::rasterize
 //! [`PointMap::from_grid`]: crate::PointMap::from_grid
@@ -36,6 +37,7 @@
 //! [`PointMap::from_scans`]: crate::PointMap::from_scans
 
 mod grow;
+mod outline;
 mod points;
 mod rasterize;
 mod vectorize;

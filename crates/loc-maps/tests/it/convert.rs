@@ -176,3 +176,31 @@ fn walls_of_a_real_building_become_lines() {
         assert!(far.fold(0.0, f64::max) < 0.2, "{line:?}");
     }
 }
+
+/// Rays of the outline end where rays of the grid do, and every line is as long as it can be.
+#[test]
+fn the_outline_of_a_grid_is_where_its_rays_end() {
+    let mut grid = OccupancyGrid::filled(turned_frame(), 100);
+    for cell in grid.frame().cells() {
+        let is_room = (2..58).contains(&cell.column) && (2..38).contains(&cell.row);
+        let is_table = (20..30).contains(&cell.column) && (10..15).contains(&cell.row);
+        let step = (cell.column, cell.row) == (30, 10);
+        if is_room && !is_table && !step {
+            grid.set(cell, 0).unwrap();
+        }
+    }
+    // What nobody has seen is no wall.
+    (0..40).for_each(|row| grid.set(Cell::new(59, row), -1).unwrap());
+    let outline = LineMap::outline(&grid).unwrap();
+    // Four walls, four sides of the table, of which the lower runs on along the step, and the other
+    // two sides of that.
+    assert_eq!(outline.len(), 4 + 4 + 2);
+    assert_relative_eq!(outline.lines()[0].length(), 5.6, epsilon = 1e-12);
+    let origin = grid.frame().to_map(10.5, 20.25);
+    for k in 0..1000 {
+        let direction = 0.00631 * f64::from(k);
+        let [a, b] = [outline.cast(&origin, direction, 10.0), grid.cast(&origin, direction, 10.0)];
+        assert_relative_eq!(a.unwrap(), b.unwrap(), epsilon = 1e-9);
+    }
+    assert!(LineMap::outline(&OccupancyGrid::filled(turned_frame(), 0)).unwrap().is_empty());
+}

@@ -3,7 +3,7 @@
 use super::KldSettings;
 use super::bins::Bins;
 use crate::resample::{Resampling, Wheel};
-use crate::{Poses, Result};
+use crate::{Poses, Result, Workers};
 use rand::Rng;
 
 /// KLD-sampling with its memory, which is kept from one resampling to the next.
@@ -48,12 +48,25 @@ impl Kld {
         rng: &mut R,
         indices: &mut Vec<u32>,
     ) {
+        self.draw_by(&Workers::one(), scheme, wheel, poses, rng, indices);
+    }
+
+    /// The same by several threads.
+    pub(crate) fn draw_by<R: Rng + ?Sized>(
+        &mut self,
+        workers: &Workers,
+        scheme: Resampling,
+        wheel: &Wheel,
+        poses: Poses<'_>,
+        rng: &mut R,
+        indices: &mut Vec<u32>,
+    ) {
         let fewest = self.settings.min_particles;
-        scheme.spin(wheel, fewest, rng, indices);
+        scheme.spin_by(workers, wheel, fewest, rng, indices);
+        self.bins.clear();
         if indices.is_empty() {
             return;
         }
-        self.bins.clear();
         // The fewest are drawn in any case; if they are enough, they are the result.
         for &index in &*indices {
             self.bins.insert(poses.at(index as usize));
@@ -73,7 +86,7 @@ impl Kld {
             drawn += 1;
             place = place.wrapping_add(GOLDEN);
         }
-        scheme.spin(wheel, needed, rng, indices);
+        scheme.spin_by(workers, wheel, needed, rng, indices);
     }
 
     /// In how many bins the particles of the last [`draw`](Kld::draw) were found: all bins of the belief,

@@ -1,8 +1,8 @@
 //! How well a scan fits a pose, compared with other poses.
 
-use crate::Particles;
 use crate::free_space::FreeSpace;
 use crate::mcl::MountedScan;
+use crate::{Particles, Poses, Workers};
 use loc_core::Pose2;
 use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
 use loc_maps::{LikelihoodField, OccupancyGrid, RayCaster};
@@ -28,6 +28,9 @@ pub struct ScanFit<'a> {
 
 /// Where fewer than this share is left to explain, a margin is not measurable.
 const LEAST_ROOM: f64 = 0.05;
+
+/// Beams or poses that one thread looks at without a break.
+const TOGETHER: usize = 16;
 
 impl ScanFit<'_> {
     /// How much better the scan fits here than at the best of the other poses, as a share of what
@@ -82,15 +85,28 @@ impl ScanRater {
 
     /// Rates what the lasers measured together; `None` where they measured nothing.
     pub fn rate(&mut self, reported: Pose2, scans: &[MountedScan<'_>]) -> Option<ScanFit<'_>> {
+        self.rate_by(&Workers::one(), reported, scans)
+    }
+
+    /// The same by several threads.
+    pub(crate) fn rate_by(
+        &mut self,
+        workers: &Workers,
+        reported: Pose2,
+        scans: &[MountedScan<'_>],
+    ) -> Option<ScanFit<'_>> {
         let mut beams = Vec::new();
         for &MountedScan { scan, mounting } in scans {
             beams.extend(scan.thinned(Self::BEAMS).into_iter().map(|beam| (mounting, beam)));
         }
         let end = |&(mounting, beam): &(Pose2, Beam)| mounting.transform(&beam.point()).coords;
         let endpoints: Endpoints = beams.iter().map(|beam| <[f64; 2]>::from(end(beam))).collect();
-        let blocked = beams.iter().filter(|beam| self.is_blocked(reported, beam)).count();
+        let blocked = workers.map(beams.chunks(TOGETHER), |beams| {
+            beams.iter().filter(|beam| self.is_blocked(reported, beam)).count()
+        });
+        let blocked = blocked.into_iter().sum();
         let [on, around] = Self::NEAR.map(|distance| self.ends(distance, reported, &endpoints));
-        self.explain(reported, &endpoints);
+        self.explain(workers, reported, &endpoints);
 
         let share = |count: usize| count as f64 / beams.len() as f64;
         let (here, elsewhere) = self.shares.split_last()?;
@@ -112,12 +128,14 @@ impl ScanRater {
     }
 
     /// Fills `shares` with what is explained at each of the poses, the reported one last.
-    fn explain(&mut self, reported: Pose2, endpoints: &Endpoints) {
+    fn explain(&mut self, workers: &Workers, reported: Pose2, endpoints: &Endpoints) {
         self.poses.set_pose(self.poses.len() - 1, reported);
         self.shares.clear();
         self.shares.resize(self.poses.len(), 0.0);
-        let poses = self.poses.poses();
-        self.field.log_likelihoods([poses.x, poses.y, poses.theta], endpoints, &mut self.shares);
+        let parts = self.poses.poses().chunks(TOGETHER).zip(self.shares.chunks_mut(TOGETHER));
+        workers.for_each(parts, |(Poses { x, y, theta }, shares)| {
+            self.field.log_likelihoods([x, y, theta], endpoints, shares);
+        });
         let settings = self.field.settings();
         let nearest = settings.likelihood(0.0).ln();
         let farthest = settings.likelihood(settings.max_distance).ln();

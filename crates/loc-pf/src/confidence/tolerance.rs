@@ -1,8 +1,10 @@
 //! How far off a pose may be before it counts as lost.
 
-use crate::{Particles, Result};
+use crate::elementary::{exp, wrap};
+use crate::{Particles, Poses, Result};
 use loc_core::error::positive;
 use loc_core::{Pose2, angle};
+use pulp::{Arch, Simd, WithSimd};
 
 /// The largest error of a reported pose that is not yet called lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,9 +46,37 @@ impl Tolerance {
     /// that the robot is not lost, as far as the cloud itself knows. The weights must be
     /// normalised; 0 for a cloud without particles.
     pub fn support(&self, particles: &Particles, reported: Pose2) -> f64 {
-        let near = |pose: &(Pose2, f64)| self.holds(reported, pose.0);
-        let poses = particles.poses();
-        let weighted = poses.iter().zip(particles.log_weights().iter().copied());
-        weighted.filter(near).map(|(_, log_weight)| log_weight.exp()).sum::<f64>().min(1.0)
+        Arch::new().dispatch(Support { tolerance: *self, particles, reported })
+    }
+}
+
+/// Numbers added up side by side.
+const LANES: usize = 8;
+
+struct Support<'a> {
+    tolerance: Tolerance,
+    particles: &'a Particles,
+    reported: Pose2,
+}
+
+impl WithSimd for Support<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let Support { tolerance: Tolerance { distance, turn }, particles, reported } = self;
+        let Poses { x, y, theta } = particles.poses();
+        let mut sums = [0.0; LANES];
+        let chunks = x.chunks(LANES).zip(y.chunks(LANES)).zip(theta.chunks(LANES));
+        for (((x, y), theta), weights) in chunks.zip(particles.log_weights().chunks(LANES)) {
+            let poses = x.iter().zip(y).zip(theta).zip(weights);
+            for (sum, (((x, y), theta), weight)) in sums.iter_mut().zip(poses) {
+                let (dx, dy) = (x - reported.x, y - reported.y);
+                let near = (dx * dx + dy * dy <= distance * distance)
+                    & (wrap(theta - reported.theta).abs() <= turn);
+                *sum += if near { exp(*weight) } else { 0.0 };
+            }
+        }
+        sums.iter().sum::<f64>().min(1.0)
     }
 }

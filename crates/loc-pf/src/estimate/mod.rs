@@ -19,8 +19,8 @@
 
 mod clusters;
 mod heading;
+mod lanes;
 mod moments;
-mod weights;
 
 pub use clusters::{Cluster, ClusterSettings, Clusterer, PoseSource};
 pub use moments::moments;

@@ -1,10 +1,12 @@
 //! Mean and covariance of a weighted cloud.
 
 use super::heading::{sin_cos, wrapped};
-use super::weights::{LANES, in_lanes, relative_weights};
-use crate::{Particles, Poses};
+use super::lanes::{LANES, Lanes, Sums, add_all};
+use crate::workers::PART;
+use crate::{Particles, Poses, Workers};
 use loc_core::Gaussian;
 use nalgebra::{Matrix3, Vector3};
+use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
 /// Weighted mean and covariance of all particles.
@@ -28,26 +30,119 @@ use std::f64::consts::PI;
 /// ```
 pub fn moments(particles: &Particles) -> Gaussian<3> {
     let mut weights = Vec::new();
-    relative_weights(particles, &mut weights);
-    weighted_moments(particles.poses(), &weights)
+    particles.relative_weights(&mut weights);
+    weighted_moments(&Workers::one(), particles.poses(), &weights)
 }
 
-/// The same with weights that are not logarithms.
-pub(super) fn weighted_moments(poses: Poses<'_>, weights: &[f64]) -> Gaussian<3> {
-    let mut lanes = [FirstSums::default(); LANES];
-    in_lanes(poses, weights, |x, y, theta, weight| {
-        for k in 0..LANES {
-            lanes[k].add(x[k], y[k], theta[k], weight[k]);
-        }
+/// The same with weights that are not logarithms, by several threads.
+pub(super) fn weighted_moments(
+    workers: &Workers,
+    poses: Poses<'_>,
+    weights: &[f64],
+) -> Gaussian<3> {
+    let parts = || poses.chunks(PART).zip(weights.chunks(PART));
+    let sums =
+        workers.map(parts(), |(poses, weights)| Arch::new().dispatch(AddFirst { poses, weights }));
+    let center = sums.into_iter().fold(FirstSums::default(), FirstSums::plus).center();
+    let sums = workers.map(parts(), |(poses, weights)| {
+        Arch::new().dispatch(AddSecond { poses, weights, center: &center })
     });
-    let center = lanes.into_iter().fold(FirstSums::default(), FirstSums::plus).center();
-    let mut lanes = [SecondSums::default(); LANES];
-    in_lanes(poses, weights, |x, y, theta, weight| {
+    sums.into_iter().fold(SecondSums::default(), SecondSums::plus).gaussian(&center)
+}
+
+/// Adds up [`FirstSums`] of a part.
+struct AddFirst<'a> {
+    poses: Poses<'a>,
+    weights: &'a [f64],
+}
+
+impl WithSimd for AddFirst<'_> {
+    type Output = FirstSums;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> FirstSums {
+        let mut lanes = FirstLanes::default();
+        add_all(&mut lanes, self.poses, self.weights);
+        let FirstLanes([weight, x, y, sin, cos]) = lanes;
+        let sums = (0..LANES).map(|k| FirstSums {
+            weight: weight[k],
+            x: x[k],
+            y: y[k],
+            sin: sin[k],
+            cos: cos[k],
+        });
+        sums.fold(FirstSums::default(), FirstSums::plus)
+    }
+}
+
+/// [`FirstSums`] of every `LANES`-th particle.
+#[derive(Default)]
+struct FirstLanes([Lanes; 5]);
+
+impl Sums for FirstLanes {
+    #[inline(always)]
+    fn add(&mut self, x: &Lanes, y: &Lanes, theta: &Lanes, weight: &Lanes) {
+        let FirstLanes([weights, xs, ys, sines, cosines]) = self;
         for k in 0..LANES {
-            lanes[k].add(&center, x[k], y[k], theta[k], weight[k]);
+            let (sin, cos) = sin_cos(theta[k]);
+            weights[k] += weight[k];
+            xs[k] += weight[k] * x[k];
+            ys[k] += weight[k] * y[k];
+            sines[k] += weight[k] * sin;
+            cosines[k] += weight[k] * cos;
         }
-    });
-    lanes.into_iter().fold(SecondSums::default(), SecondSums::plus).gaussian(&center)
+    }
+}
+
+/// Adds up [`SecondSums`] of a part.
+struct AddSecond<'a> {
+    poses: Poses<'a>,
+    weights: &'a [f64],
+    center: &'a Center,
+}
+
+impl WithSimd for AddSecond<'_> {
+    type Output = SecondSums;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> SecondSums {
+        let mut lanes = SecondLanes { center: *self.center, sums: Default::default() };
+        add_all(&mut lanes, self.poses, self.weights);
+        let [xx, xy, yy, xt, yt, tt] = lanes.sums;
+        let sums = (0..LANES).map(|k| SecondSums {
+            xx: xx[k],
+            xy: xy[k],
+            yy: yy[k],
+            xt: xt[k],
+            yt: yt[k],
+            tt: tt[k],
+        });
+        sums.fold(SecondSums::default(), SecondSums::plus)
+    }
+}
+
+/// [`SecondSums`] of every `LANES`-th particle.
+struct SecondLanes {
+    center: Center,
+    sums: [Lanes; 6],
+}
+
+impl Sums for SecondLanes {
+    #[inline(always)]
+    fn add(&mut self, x: &Lanes, y: &Lanes, theta: &Lanes, weight: &Lanes) {
+        let [xx, xy, yy, xt, yt, tt] = &mut self.sums;
+        for k in 0..LANES {
+            let (dx, dy) = (x[k] - self.center.x, y[k] - self.center.y);
+            let dt = wrapped(theta[k] - self.center.theta);
+            let (wx, wy, wt) = (weight[k] * dx, weight[k] * dy, weight[k] * dt);
+            xx[k] += wx * dx;
+            xy[k] += wx * dy;
+            yy[k] += wy * dy;
+            xt[k] += wx * dt;
+            yt[k] += wy * dt;
+            tt[k] += wt * dt;
+        }
+    }
 }
 
 /// Sums that the mean is made of.
@@ -62,8 +157,7 @@ pub(super) struct FirstSums {
 
 impl FirstSums {
     #[inline(always)]
-    pub(super) fn add(&mut self, x: f64, y: f64, theta: f64, weight: f64) {
-        let (sin, cos) = sin_cos(theta);
+    pub(super) fn add(&mut self, x: f64, y: f64, (sin, cos): (f64, f64), weight: f64) {
         self.weight += weight;
         self.x += weight * x;
         self.y += weight * y;
@@ -86,7 +180,8 @@ impl FirstSums {
             return Center::default();
         }
         // A resultant at the level of rounding has no direction.
-        let directed = f64::hypot(self.sin, self.cos) > 1e-12 * self.weight;
+        let resultant = (self.sin * self.sin + self.cos * self.cos).sqrt();
+        let directed = resultant > 1e-12 * self.weight;
         Center {
             weight: self.weight,
             x: self.x / self.weight,

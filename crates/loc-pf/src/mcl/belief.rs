@@ -4,6 +4,7 @@ use super::observation::Observation;
 use super::step::Step;
 use super::surroundings::Surroundings;
 use super::{MclSettings, UpdateReport};
+use crate::filter::Weighing;
 use crate::recovery::{AugmentedMcl, Suspicion, UsualEvidence};
 use crate::tempering::{Tempering, TemperingReport};
 use crate::{Kld, ParticleFilter, Particles, ResamplePolicy, Resampling, Result, Workers};
@@ -80,15 +81,15 @@ impl Belief {
             self.inject(report.log_evidence, map);
         }
         let TemperingReport { stages, log_evidence } = report;
-        let effective_sample_size = self.filter.particles().effective_sample_size();
+        let effective_sample_size = self.filter.effective_sample_size();
         UpdateReport { stages, log_evidence, effective_sample_size, searched }
     }
 
     /// Sample the motion, weigh, resample: by degrees, or at once.
     fn track(&mut self, step: &Step, scan: &Observation<'_>) -> TemperingReport {
-        let count = self.filter.count_needed(&mut self.kld);
         match &mut self.tempering {
             Some(tempering) => {
+                let count = self.filter.count_needed(&mut self.kld);
                 let report = tempering.update(&mut self.filter, step, scan, count);
                 // A cloud that outgrew its need, after a search, say.
                 if self.filter.particles().len() > 2 * count {
@@ -98,12 +99,11 @@ impl Belief {
             }
             None => {
                 self.filter.predict(step);
-                self.filter.weigh(scan);
-                let log_evidence = self.filter.normalize();
+                let Weighing { log_evidence, effective_sample_size } = self.filter.correct(scan);
                 self.updates_since_resampling += 1;
-                let particles = self.filter.particles();
-                let effective = particles.effective_sample_size();
-                if self.policy.is_due(self.updates_since_resampling, effective, particles.len()) {
+                let (updates, count) =
+                    (self.updates_since_resampling, self.filter.particles().len());
+                if self.policy.is_due(updates, effective_sample_size, count) {
                     self.filter.resample_adaptively(self.resampling, &mut self.kld);
                     self.updates_since_resampling = 0;
                 }

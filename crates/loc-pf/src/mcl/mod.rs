@@ -80,7 +80,8 @@ impl Mcl {
         settings.validate()?;
         let surroundings = Surroundings::new(map, &settings)?;
         let mut belief = Belief::new(&settings, surroundings.free_space.area(), rng)?;
-        let mut clusterer = Clusterer::new(settings.clusters)?;
+        let workers = belief.filter.workers().clone();
+        let mut clusterer = Clusterer::new(settings.clusters)?.with_workers(workers);
         let estimate = clusterer.estimate(&Particles::new());
         let rater = ScanRater::new(map, belief.filter.rng_mut())?;
         let monitor = LostMonitor::new(settings.lost)?;

@@ -62,7 +62,8 @@ impl Mcl {
         {
             return Ok(Update::StoodStill);
         }
-        self.take_in(scans).map(Update::Done)
+        let workers = self.belief.filter.workers().clone();
+        workers.within(|| self.take_in(scans)).map(Update::Done)
     }
 
     /// Takes in scans although the robot may not have moved since the last update.
@@ -94,8 +95,11 @@ impl Mcl {
         let particles = self.belief.filter.particles();
         self.estimate = self.clusterer.estimate(particles);
         let pose = self.estimate.belief.pose();
-        let support = self.monitor.settings().tolerance.support(particles, pose);
-        self.monitor.update(self.rater.rate(pose, scans), support);
+        let (rater, tolerance) = (&mut self.rater, self.monitor.settings().tolerance);
+        let workers = self.belief.filter.workers();
+        let (fit, support) = workers
+            .both(|| rater.rate_by(workers, pose, scans), || tolerance.support(particles, pose));
+        self.monitor.update(fit, support);
         Ok(report)
     }
 

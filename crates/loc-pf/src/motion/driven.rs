@@ -21,7 +21,6 @@ use crate::normals::Normals;
 use loc_core::motion::{DrivenPath, PathNoise};
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Normal, Pose2};
-use nalgebra::Vector3;
 
 /// A step with its noise: from a pose and four standard normal numbers to the next pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,14 +36,15 @@ pub struct NoisyStep {
 impl NoisyStep {
     /// The step of a driven path.
     pub fn new(path: &DrivenPath, noise: &PathNoise) -> Self {
-        let usual = noise.variances(path) + noise.least_variances();
-        let faulty = usual + noise.fault_variances(path);
-        let sigmas = |variances: Vector3<f64>| [0, 1, 2].map(|k| variances[k].sqrt());
+        let variances = noise.variances(path);
+        let least = [noise.least_position, noise.least_position, noise.least_heading];
+        let sigma = |k: usize, more: f64| (variances[k] + least[k].powi(2) + more.powi(2)).sqrt();
+        let fault = PathNoise::fault_sigmas(path);
         let quantile = Normal::STANDARD.quantile(1.0 - noise.fault_probability);
         NoisyStep {
             step: path.step(),
-            sigmas: sigmas(usual),
-            faulty_sigmas: sigmas(faulty),
+            sigmas: [sigma(0, 0.0), sigma(1, 0.0), sigma(2, 0.0)],
+            faulty_sigmas: [sigma(0, fault.x), sigma(1, fault.y), sigma(2, fault.z)],
             fault_above: quantile.unwrap_or(f64::INFINITY),
         }
     }

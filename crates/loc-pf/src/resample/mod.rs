@@ -24,6 +24,7 @@ mod wheel;
 
 pub use wheel::Wheel;
 
+use crate::Workers;
 use rand::{Rng, RngExt};
 
 /// How particles are drawn.
@@ -76,13 +77,27 @@ impl Resampling {
         rng: &mut R,
         indices: &mut Vec<u32>,
     ) {
-        indices.clear();
+        self.spin_by(&Workers::one(), wheel, count, rng, indices);
+    }
+
+    /// The same by several threads, of which only the spoke wheel makes use.
+    pub(crate) fn spin_by<R: Rng + ?Sized>(
+        self,
+        workers: &Workers,
+        wheel: &Wheel,
+        count: usize,
+        rng: &mut R,
+        indices: &mut Vec<u32>,
+    ) {
+        if self != Resampling::Systematic {
+            indices.clear();
+        }
         if wheel.is_empty() || count == 0 {
-            return;
+            return indices.clear();
         }
         match self {
             Resampling::Roulette => roulette::draw(wheel, count, rng, indices),
-            Resampling::Systematic => systematic::draw(wheel, count, rng, indices),
+            Resampling::Systematic => systematic::draw(wheel, count, rng, indices, workers),
             Resampling::Stratified => stratified::draw(wheel, count, rng, indices),
             Resampling::Residual => residual::draw(wheel, count, rng, indices),
         }

@@ -1,7 +1,8 @@
 //! The wheel that all schemes draw from: one sector for each particle.
 
 use crate::elementary::{ROUND, exp};
-use crate::log_weights::largest;
+use crate::log_weights;
+use crate::workers::{PART, Workers};
 use pulp::{Arch, Simd, WithSimd};
 
 /// A wheel with one sector for each particle, as wide as its weight.
@@ -28,8 +29,25 @@ impl Wheel {
     ///
     /// NaN counts as -inf. Where no weight is finite, or one is infinite, all sectors are equal.
     pub fn set(&mut self, log_weights: &[f64]) {
+        self.set_by(&Workers::one(), log_weights);
+    }
+
+    /// The same by several threads.
+    pub(crate) fn set_by(&mut self, workers: &Workers, log_weights: &[f64]) {
         self.ends.resize(log_weights.len(), 0.0);
-        Arch::new().dispatch(Set { log_weights, ends: &mut self.ends });
+        let largest = log_weights::largest_of_all(workers, log_weights);
+        let unit = unit(log_weights.len());
+        let parts = self.ends.chunks_mut(PART).zip(log_weights.chunks(PART));
+        let widths = workers.map(parts, |(ends, log_weights)| {
+            Arch::new().dispatch(Set { log_weights, ends, largest, unit })
+        });
+        let mut before = 0.0;
+        let parts = self.ends.chunks_mut(PART).zip(widths).map(|(ends, width)| {
+            let start = before;
+            before += width;
+            (ends, start)
+        });
+        workers.for_each(parts, |(ends, start)| Arch::new().dispatch(Shift { ends, start }));
         let circumference = self.circumference();
         self.last = self.ends.partition_point(|&end| end < circumference);
     }
@@ -67,26 +85,44 @@ impl Wheel {
     }
 }
 
+/// Fills a part with the running sums of its sectors' widths; all of them together.
 struct Set<'a> {
     log_weights: &'a [f64],
     ends: &'a mut [f64],
+    /// The logarithm of the largest of all weights.
+    largest: f64,
+    /// The width of its sector.
+    unit: f64,
 }
 
 impl WithSimd for Set<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        if self.largest.is_finite() {
+            for (end, weight) in self.ends.iter_mut().zip(self.log_weights) {
+                *end = (exp(weight - self.largest) * self.unit + ROUND) - ROUND;
+            }
+        } else {
+            self.ends.fill(self.unit);
+        }
+        add_up(self.ends)
+    }
+}
+
+/// Puts a part behind those before it.
+struct Shift<'a> {
+    ends: &'a mut [f64],
+    start: f64,
+}
+
+impl WithSimd for Shift<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let largest = largest(self.log_weights);
-        let unit = unit(self.ends.len());
-        if largest.is_finite() {
-            for (end, weight) in self.ends.iter_mut().zip(self.log_weights) {
-                *end = (exp(weight - largest) * unit + ROUND) - ROUND;
-            }
-        } else {
-            self.ends.fill(unit);
-        }
-        add_up(self.ends);
+        self.ends.iter_mut().for_each(|end| *end += self.start);
     }
 }
 
@@ -100,9 +136,9 @@ fn unit(count: usize) -> f64 {
     (1_u64 << 51_u32.saturating_sub(bits)) as f64
 }
 
-/// Replaces widths by their running sums.
+/// Replaces widths by their running sums; the last of these.
 #[inline(always)]
-fn add_up(widths: &mut [f64]) {
+fn add_up(widths: &mut [f64]) -> f64 {
     let mut total = 0.0;
     let (chunks, rest) = widths.as_chunks_mut::<LANES>();
     for chunk in chunks {
@@ -113,6 +149,7 @@ fn add_up(widths: &mut [f64]) {
         total += *width;
         *width = total;
     }
+    total
 }
 
 /// Sums of the first 1, 2, .. numbers, in three steps of eight sums each instead of seven that wait

@@ -33,9 +33,10 @@ mod settings;
 
 pub use settings::TemperingSettings;
 
+use crate::log_weights::Mass;
 use crate::resample::Wheel;
 use crate::workers::PART;
-use crate::{Likelihood, ParticleFilter, Particles, Resampling, Transport};
+use crate::{Likelihood, ParticleFilter, Particles, Resampling, Transport, Workers};
 use part::{Part, Walk};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -46,6 +47,8 @@ pub struct Tempering {
     parts: Vec<Part>,
     spare: Vec<Part>,
     log_weights: Vec<f64>,
+    /// The same after a share of the measurement that is tried out.
+    after: Vec<f64>,
     wheel: Wheel,
     indices: Vec<u32>,
 }
@@ -78,18 +81,19 @@ impl Tempering {
         measurement: &impl Likelihood,
         count: usize,
     ) -> TemperingReport {
-        self.load(filter.particles());
+        let workers = &filter.workers().clone();
+        self.load(workers, filter.particles());
         filter.for_each_part(&mut self.parts, |part, rng| part.draw(step, measurement, rng));
         let (mut exponent, mut stride) = (0.0, 0.6);
         let mut report = TemperingReport { stages: 1, log_evidence: 0.0 };
         loop {
             let share = if report.stages < self.settings.most_stages {
-                self.share_of(1.0 - exponent)
+                self.share_of(workers, 1.0 - exponent)
             } else {
                 1.0 - exponent
             };
             exponent += share;
-            report.log_evidence += self.take_in(share);
+            report.log_evidence += self.take_in(workers, share);
             if exponent >= 1.0 - 1e-9 {
                 break;
             }
@@ -103,92 +107,89 @@ impl Tempering {
             stride = (stride * (1.0 + rate - self.settings.acceptance)).clamp(0.01, 0.95);
             report.stages += 1;
         }
-        self.store(filter.particles_mut());
+        self.store(filter);
         report
     }
 
     /// Cuts a cloud into parts.
-    fn load(&mut self, cloud: &Particles) {
+    fn load(&mut self, workers: &Workers, cloud: &Particles) {
         self.parts.resize_with(cloud.len().div_ceil(PART), Part::default);
-        for (number, part) in self.parts.iter_mut().enumerate() {
-            part.clear();
-            let end = cloud.len().min((number + 1) * PART);
-            (number * PART..end).for_each(|index| part.parents.push(cloud.pose(index), 0.0));
-        }
+        let parts = self.parts.iter_mut().zip(cloud.poses().chunks(PART));
+        workers.for_each(parts, |(part, poses)| part.load(poses));
         self.log_weights.clear();
         self.log_weights.extend_from_slice(cloud.log_weights());
     }
 
     /// The poses after the motion, with normalised weights.
-    fn store(&self, cloud: &mut Particles) {
-        cloud.clear();
-        let poses = self.parts.iter().flat_map(|part| part.moved.poses().iter());
-        for (pose, log_weight) in poses.zip(&self.log_weights) {
-            cloud.push(pose, *log_weight);
-        }
-        cloud.normalize();
-    }
-
-    fn log_likelihoods(&self) -> impl Iterator<Item = f64> + '_ {
-        self.parts.iter().flat_map(|part| part.moved.log_weights().iter().copied())
+    fn store(&self, filter: &mut ParticleFilter) {
+        let workers = filter.workers().clone();
+        let cloud = filter.particles_mut();
+        cloud.resize(self.log_weights.len());
+        let (poses, log_weights) = cloud.columns_mut();
+        let targets = poses.chunks(PART).zip(log_weights.chunks_mut(PART));
+        let parts = self.parts.iter().zip(self.log_weights.chunks(PART));
+        workers.for_each(targets.zip(parts), |((poses, log_weights), (part, weights))| {
+            let moved = part.moved.poses();
+            poses.x.copy_from_slice(moved.x);
+            poses.y.copy_from_slice(moved.y);
+            poses.theta.copy_from_slice(moved.theta);
+            log_weights.copy_from_slice(weights);
+        });
+        filter.normalize();
     }
 
     /// The largest share of the measurement, up to `rest`, that leaves enough particles effective.
-    fn share_of(&self, rest: f64) -> f64 {
+    fn share_of(&mut self, workers: &Workers, rest: f64) -> f64 {
         let enough = self.settings.effective_share * self.log_weights.len() as f64;
-        if self.effective_after(rest) >= enough {
+        if self.effective_after(workers, rest) >= enough {
             return rest;
         }
         let (mut low, mut high) = (0.0, rest);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
-            if self.effective_after(middle) >= enough { low = middle } else { high = middle }
+            let bears = self.effective_after(workers, middle) >= enough;
+            if bears { low = middle } else { high = middle }
         }
         // A little more than nothing: a peak that no particle has found yet is reached at last.
         low.max(rest / f64::from(1 << BISECTIONS))
     }
 
     /// Effective sample size after taking in a share of the measurement.
-    fn effective_after(&self, share: f64) -> f64 {
-        let after = || {
-            let pairs = self.log_weights.iter().zip(self.log_likelihoods());
-            pairs.map(|(weight, likelihood)| weight + share * likelihood)
-        };
-        let largest = after().fold(f64::NEG_INFINITY, f64::max);
-        if !largest.is_finite() {
-            return 0.0;
-        }
-        let (sum, squares) = after().fold((0.0, 0.0), |(sum, squares), log_weight| {
-            let weight = (log_weight - largest).exp();
-            (sum + weight, squares + weight * weight)
-        });
-        sum * sum / squares
+    fn effective_after(&mut self, workers: &Workers, share: f64) -> f64 {
+        self.weigh(workers, share).effective_sample_size()
+    }
+
+    /// Fills `after` with the weights after a share of the measurement is taken in.
+    fn weigh(&mut self, workers: &Workers, share: f64) -> Mass {
+        self.after.resize(self.log_weights.len(), 0.0);
+        let parts = self.parts.iter().zip(self.log_weights.chunks(PART));
+        let parts = parts.zip(self.after.chunks_mut(PART));
+        Mass::total(workers.map(parts, |((part, weights), after)| {
+            Mass::after(weights, share, part.log_likelihoods(), after)
+        }))
     }
 
     /// Weighs by a share of the measurement; returns the logarithm of the mean likelihood.
-    fn take_in(&mut self, share: f64) -> f64 {
-        let likelihoods = self.parts.iter().flat_map(|part| part.moved.log_weights());
-        let mut largest = f64::NEG_INFINITY;
-        let before = log_sum(&self.log_weights);
-        for (weight, likelihood) in self.log_weights.iter_mut().zip(likelihoods) {
-            *weight += share * likelihood;
-            largest = largest.max(*weight);
+    fn take_in(&mut self, workers: &Workers, share: f64) -> f64 {
+        let before = Mass::total(workers.map(self.log_weights.chunks(PART), Mass::of));
+        let after = self.weigh(workers, share);
+        std::mem::swap(&mut self.log_weights, &mut self.after);
+        match (before.log_sum(), after.log_sum()) {
+            (Some(before), Some(after)) => after - before,
+            _ => f64::NEG_INFINITY,
         }
-        if largest.is_finite() { log_sum(&self.log_weights) - before } else { f64::NEG_INFINITY }
     }
 
     /// Draws particles in proportion to their weights, together with what led to them.
     fn resample(&mut self, filter: &mut ParticleFilter, count: usize) {
-        self.wheel.set(&self.log_weights);
-        Resampling::Systematic.spin(&self.wheel, count, filter.rng_mut(), &mut self.indices);
+        let workers = filter.workers().clone();
+        let (scheme, rng) = (Resampling::Systematic, filter.rng_mut());
+        self.wheel.set_by(&workers, &self.log_weights);
+        scheme.spin_by(&workers, &self.wheel, count, rng, &mut self.indices);
         std::mem::swap(&mut self.parts, &mut self.spare);
         self.parts.resize_with(count.div_ceil(PART), Part::default);
-        for (part, indices) in self.parts.iter_mut().zip(self.indices.chunks(PART)) {
-            part.clear();
-            for index in indices.iter().map(|&index| index as usize) {
-                part.push(&self.spare[index / PART], index % PART);
-            }
-        }
+        let parts = self.parts.iter_mut().zip(self.indices.chunks(PART));
+        workers.for_each(parts, |(part, indices)| part.gather(&self.spare, indices));
         self.log_weights.clear();
         self.log_weights.resize(count, -(count as f64).ln());
     }
@@ -196,12 +197,3 @@ impl Tempering {
 
 /// How finely a share of a measurement is determined: to 1 / 2^10 of what is left.
 const BISECTIONS: u32 = 10;
-
-/// ln(sum of exp).
-fn log_sum(logarithms: &[f64]) -> f64 {
-    let largest = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if !largest.is_finite() {
-        return f64::NEG_INFINITY;
-    }
-    largest + logarithms.iter().map(|l| (l - largest).exp()).sum::<f64>().ln()
-}

@@ -1,6 +1,7 @@
 //! A part of the cloud on its way through an update.
 
-use crate::{Likelihood, Particles, Transport};
+use crate::workers::PART;
+use crate::{Likelihood, Particles, Poses, Transport};
 use loc_core::random::ChaCha8Rng;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
@@ -28,17 +29,26 @@ pub(super) struct Walk {
 }
 
 impl Part {
-    pub(super) fn clear(&mut self) {
-        self.parents.clear();
-        self.noise.clear();
-        self.moved.clear();
+    /// Starts from some poses.
+    pub(super) fn load(&mut self, parents: Poses<'_>) {
+        self.parents.refill(parents.iter(), std::iter::repeat_n(0.0, parents.len()));
     }
 
-    /// Copies particle `index` of another part, with its log-likelihood.
-    pub(super) fn push(&mut self, other: &Part, index: usize) {
-        self.parents.push(other.parents.pose(index), 0.0);
-        self.noise.push(other.noise[index]);
-        self.moved.push(other.moved.pose(index), other.moved.log_weights()[index]);
+    /// Becomes particles of other parts, with what led to them and their log-likelihoods; `indices`
+    /// count through all parts, each of which is `PART` long but the last.
+    pub(super) fn gather(&mut self, others: &[Part], indices: &[u32]) {
+        let places = indices.iter().map(|&index| (index as usize / PART, index as usize % PART));
+        let parents = places.clone().map(|(part, k)| others[part].parents.pose(k));
+        self.parents.refill(parents, std::iter::repeat_n(0.0, indices.len()));
+        self.noise.clear();
+        self.noise.extend(places.clone().map(|(part, k)| others[part].noise[k]));
+        let moved = places.clone().map(|(part, k)| others[part].moved.pose(k));
+        self.moved.refill(moved, places.map(|(part, k)| others[part].moved.log_weights()[k]));
+    }
+
+    /// The log-likelihoods of its particles.
+    pub(super) fn log_likelihoods(&self) -> &[f64] {
+        self.moved.log_weights()
     }
 
     /// Draws the motion of every particle and rates where it leads.

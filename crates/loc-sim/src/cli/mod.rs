@@ -2,6 +2,7 @@
 
 pub mod eval;
 pub mod fit_beam;
+pub mod info;
 pub mod list;
 pub mod map;
 mod progress;
@@ -9,6 +10,7 @@ pub mod replay;
 pub mod run;
 pub mod sense;
 mod show;
+pub mod study;
 
 use clap::{Parser, Subcommand};
 use std::io::Write;
@@ -43,11 +45,13 @@ pub struct Global {
 enum Command {
     List,
     Run(run::RunArgs),
-    Replay(replay::ReplayArgs),
+    Replay(Box<replay::ReplayArgs>),
+    Info(info::InfoArgs),
     Eval(eval::EvalArgs),
     Map(map::MapArgs),
     Sense(sense::SenseArgs),
     FitBeam(fit_beam::FitBeamArgs),
+    Study(study::StudyArgs),
 }
 
 impl Cli {
@@ -61,12 +65,22 @@ impl Cli {
             Some(Command::List) => list::list(&self.global),
             Some(Command::Run(args)) => run::run(args, &self.global),
             Some(Command::Replay(args)) => replay::replay(args, &self.global),
+            Some(Command::Info(args)) => info::info(args, &self.global),
             Some(Command::Eval(args)) => eval::run(args, &self.global),
             Some(Command::Map(args)) => map::map(args, &self.global),
             Some(Command::Sense(args)) => sense::sense(args, &self.global),
             Some(Command::FitBeam(args)) => fit_beam::fit_beam(args, &self.global),
+            Some(Command::Study(args)) => study::study(args, &self.global),
         }
     }
+}
+
+/// The exit code of a command that Ctrl-C has ended: 128 and the number of the signal.
+const INTERRUPTED: u8 = 130;
+
+/// The exit code that an error stands for.
+pub fn exit_code(error: &anyhow::Error) -> u8 {
+    if error.is::<study::Interrupted>() { INTERRUPTED } else { 1 }
 }
 
 /// Writes a text and a line break to standard output.

@@ -3,7 +3,9 @@
 use super::Global;
 use super::progress::Progress;
 use super::show::{Finished, OutputArgs, show, show_illustration};
+use crate::output::mcap::McapRecorder;
 use crate::record::Filming;
+use crate::runner::Both;
 use crate::scenario::{Scenario, builtin};
 use std::path::Path;
 
@@ -58,7 +60,10 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     let methods = (!methods.is_empty()).then_some(methods.as_slice());
     let mut tell = |share| progress.tell(share);
     let mut filming = Filming::new(&mut tell);
-    let mut run = scenario.run_watched(Some(seed), methods, &mut filming)?;
+    let mut recorder = args.output.recorder()?;
+    let mut watcher = Both(&mut filming, &mut recorder);
+    let mut run = scenario.run_watched(Some(seed), methods, &mut watcher)?;
+    recorder.map_or(Ok(()), McapRecorder::finish)?;
     run.film = Some(filming.film);
     progress.finish();
     let finished = Finished {

@@ -3,6 +3,7 @@
 use super::Global;
 use crate::localizer::Method;
 use crate::metrics::{Alignment, Summary};
+use crate::output::mcap::McapRecorder;
 use crate::output::{self, Illustration};
 use crate::record::Run;
 use crate::scenario::Scenario;
@@ -21,6 +22,9 @@ pub struct OutputArgs {
     /// How estimates are carried into the frame of the truth before they are compared.
     #[arg(long, value_enum, default_value_t)]
     pub align: Alignment,
+    /// An MCAP file of ROS 2 to write beside the folder: map, scans, frames, poses, particles.
+    #[arg(long, value_name = "FILE")]
+    pub mcap: Option<PathBuf>,
     /// The folder to write; out/NAME where left out.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -80,12 +84,17 @@ pub(super) fn show_illustration(
 }
 
 /// The command as it was given.
-fn command() -> String {
+pub(super) fn command() -> String {
     let arguments = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     format!("loc-sim {arguments}").trim_end().to_owned()
 }
 
 impl OutputArgs {
+    /// The recorder of the MCAP file, where one is wanted.
+    pub(super) fn recorder(&self) -> crate::Result<Option<McapRecorder>> {
+        self.mcap.as_deref().map(McapRecorder::create).transpose()
+    }
+
     /// The folder to write.
     fn folder(&self, name: &str) -> PathBuf {
         self.out.clone().unwrap_or_else(|| Path::new("out").join(name))

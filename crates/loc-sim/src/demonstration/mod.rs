@@ -3,8 +3,8 @@
 //! The lectures explain the particle filter with pictures of its parts: five stages in a corridor
 //! with doors ([`mcl_1d`], M2), and what resampling does to a robot that stands still
 //! ([`diversity`], M11). The Bayes filter without particles is shown by a mailbox with a flag
-//! ([`mailbox`], F5) and by another corridor with doors ([`door_corridor`], K1). A scenario asks
-//! for one of them by `[demonstration] kind = ".."`; the filters in them are those of `loc-pf` and
+//! ([`mailbox`], F5) and by another corridor with doors ([`door_corridor`], K1), lateration
+//! in four rooms ([`lateration`], D1 to D4). A scenario asks for one of them by `[demonstration] kind = ".."`; the filters in them are those of `loc-pf` and
 //! `loc-filters`, nothing is made up for the picture.
 //!
 //! ```
@@ -17,11 +17,13 @@
 
 pub mod diversity;
 pub mod door_corridor;
+pub mod lateration;
 pub mod mailbox;
 pub mod mcl_1d;
 
 pub use diversity::{Diversity, DiversityConfig};
 pub use door_corridor::{DoorCorridor, DoorCorridorConfig};
+pub use lateration::{Lateration, LaterationConfig};
 pub use mailbox::{MailboxConfig, MailboxDiagnosis};
 pub use mcl_1d::{Mcl1d, Mcl1dConfig};
 
@@ -39,6 +41,8 @@ pub enum DemonstrationConfig {
     Mcl1d(Mcl1dConfig),
     /// How many ancestors survive resampling (M11).
     Diversity(DiversityConfig),
+    /// Places at measured distances from landmarks (D).
+    Lateration(LaterationConfig),
     /// A mailbox and its flag (F5).
     Mailbox(MailboxConfig),
     /// Markov localization in one dimension (K1).
@@ -54,6 +58,7 @@ impl DemonstrationConfig {
         match self {
             DemonstrationConfig::Mcl1d(config) => config.check(),
             DemonstrationConfig::Diversity(config) => config.check(),
+            DemonstrationConfig::Lateration(config) => config.check(),
             DemonstrationConfig::Mailbox(config) => config.check(),
             DemonstrationConfig::DoorCorridor(config) => config.check(),
         }
@@ -68,6 +73,9 @@ impl DemonstrationConfig {
             DemonstrationConfig::Mcl1d(config) => Mcl1d::new(config, seed)?.illustrate(title),
             DemonstrationConfig::Diversity(config) => {
                 Diversity::new(config, seed)?.illustrate(title)
+            }
+            DemonstrationConfig::Lateration(config) => {
+                Lateration::new(config, seed)?.illustrate(title)
             }
             DemonstrationConfig::Mailbox(config) => {
                 MailboxDiagnosis::new(config)?.illustrate(title)

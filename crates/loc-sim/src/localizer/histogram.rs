@@ -1,11 +1,14 @@
 //! `histogram`: Markov localization with a laser on a grid over (x, y, heading) (K1).
 
-use super::{Estimate, Judgement, Localizer, MethodSettings};
+use super::{Estimate, Hypothesis, Judgement, Localizer, MethodSettings};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_filters::histogram::{GridLocalizer, GridUpdate};
+
+/// How many places are told, the likeliest ones.
+const HYPOTHESES: usize = 5;
 
 #[derive(Debug)]
 pub(super) struct Histogram {
@@ -40,14 +43,16 @@ impl Localizer for Histogram {
     fn correct(&mut self, _stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
         let Measurement::Scan { scan, mounting } = measurement else { return Ok(Vec::new()) };
         let update = self.grid.update(self.odometry, scan, *mounting)?;
-        if std::env::var_os("GRIDLOG").is_some() {
-            eprintln!("{update:?} {} {}", self.grid.certainty(), self.grid.estimate().pose());
-        }
         let used = Judgement { accepted: true, ..Judgement::REFUSED };
         Ok(if matches!(update, GridUpdate::Done(_)) { vec![used] } else { Vec::new() })
     }
 
     fn estimate(&self, _stamp: f64) -> Result<Estimate> {
         Ok(self.grid.estimate().into())
+    }
+
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        let places = self.grid.hypotheses(HYPOTHESES).into_iter();
+        places.map(|(share, belief)| Hypothesis { share, belief }).collect()
     }
 }

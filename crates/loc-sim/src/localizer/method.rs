@@ -3,14 +3,21 @@
 use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
+use super::ekf_slam::EkfSlamMethod;
 use super::histogram::Histogram;
+use super::kf_slam::KfSlamMethod;
 use super::landmark_mcl::SightMcl;
+use super::lateration::Lateration;
+use super::line_ekf::LineMatching;
 use super::mcl::ScanMcl;
 use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::histogram::GridSettings;
 use loc_filters::landmark::LandmarkSettings;
+use loc_filters::lateration::SlidingSettings;
+use loc_filters::line_matching::LineMatchingSettings;
+use loc_filters::slam::SlamSettings;
 use loc_pf::sensor::landmark::SightModel;
 use loc_pf::{LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
@@ -21,14 +28,22 @@ use std::str::FromStr;
 pub enum Method {
     /// Odometry alone (E).
     DeadReckoning,
+    /// Ranges to landmarks over a sliding window (D).
+    Lateration,
     /// The linear Kalman filter of a vehicle on a rail (G).
     Kf,
     /// The extended Kalman filter with landmarks (H2).
     Ekf,
+    /// The extended Kalman filter with the lines of a map (H4).
+    LineEkf,
     /// Monte Carlo localization (M).
     Mcl,
     /// Markov localization on a grid (K1).
     Histogram,
+    /// Linear Kalman SLAM of a robot that never turns (I1).
+    KfSlam,
+    /// The extended Kalman filter over robot and landmarks (I2 to I4).
+    EkfSlam,
 }
 
 /// What the methods are told about the robot and its sensors.
@@ -38,6 +53,8 @@ pub struct MethodSettings {
     pub landmark: LandmarkSettings,
     /// For a vehicle on a rail.
     pub rail: RailSettings,
+    /// For matching lines of scans with those of a map.
+    pub line_matching: LineMatchingSettings,
     /// For the particle filter in a map.
     pub mcl: MclSettings,
     /// For the particle filter among landmarks; what it shares with the other methods among
@@ -45,6 +62,10 @@ pub struct MethodSettings {
     pub landmark_mcl: LandmarkMclSettings,
     /// For the grid over the poses in a map.
     pub histogram: GridSettings,
+    /// For lateration; what it shares with the other methods among landmarks, it takes from there.
+    pub lateration: SlidingSettings,
+    /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
+    pub slam: SlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
     /// Seed of the methods that draw random numbers.
@@ -69,27 +90,76 @@ impl MethodSettings {
         let sights = SightModel { noise: sight_noise, mounting, ..own.sights };
         LandmarkMclSettings { integration, motion_noise, sights, horizon, ..own }
     }
+
+    /// Settings of lateration, with what all methods among landmarks are told.
+    pub fn lateration(&self) -> SlidingSettings {
+        let LandmarkSettings { integration, motion_noise, sight_noise, mounting, horizon, .. } =
+            self.landmark;
+        SlidingSettings {
+            integration,
+            motion_noise,
+            range_noise: sight_noise,
+            antenna: mounting.position(),
+            horizon,
+            ..self.lateration
+        }
+    }
+}
+
+impl MethodSettings {
+    /// Settings of `ekf-slam`, with what all methods among landmarks are told.
+    pub fn slam(&self) -> SlamSettings {
+        let LandmarkSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            ..
+        } = self.landmark;
+        SlamSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            ..self.slam
+        }
+    }
 }
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 5] =
-        [Method::DeadReckoning, Method::Kf, Method::Ekf, Method::Histogram, Method::Mcl];
+    pub const ALL: [Method; 9] = [
+        Method::DeadReckoning,
+        Method::Lateration,
+        Method::Kf,
+        Method::Ekf,
+        Method::LineEkf,
+        Method::Histogram,
+        Method::Mcl,
+        Method::KfSlam,
+        Method::EkfSlam,
+    ];
 
     /// The name, as the command line has it.
     pub fn name(self) -> &'static str {
         match self {
             Method::DeadReckoning => "dead-reckoning",
+            Method::Lateration => "lateration",
             Method::Kf => "kf",
             Method::Ekf => "ekf",
+            Method::LineEkf => "line-ekf",
             Method::Mcl => "mcl",
             Method::Histogram => "histogram",
+            Method::KfSlam => "kf-slam",
+            Method::EkfSlam => "ekf-slam",
         }
     }
 
     /// Whether it can find the robot without being told where it starts.
     pub fn can_search(self) -> bool {
-        matches!(self, Method::Mcl | Method::Histogram)
+        matches!(self, Method::Lateration | Method::Histogram | Method::Mcl)
     }
 
     /// Whether it draws random numbers, so that its seed matters.
@@ -108,14 +178,18 @@ impl Method {
                 Box::new(RailFilter::new(self.name(), setup, &settings.rail, false)?)
             }
             Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings)?),
+            Method::Lateration => Box::new(Lateration::new(setup, settings)?),
             Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
             Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
+            Method::LineEkf => Box::new(LineMatching::new(setup, settings)?),
             // Where both can be had, scans tell more than landmarks.
             Method::Mcl if setup.has_laser || setup.landmarks.is_empty() => {
                 Box::new(ScanMcl::new(setup, settings)?)
             }
             Method::Histogram => Box::new(Histogram::new(setup, settings)?),
             Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
+            Method::KfSlam => Box::new(KfSlamMethod::new(setup, settings)?),
+            Method::EkfSlam => Box::new(EkfSlamMethod::new(setup, settings)?),
         })
     }
 }

@@ -6,20 +6,27 @@ pub mod cloud;
 mod dead_reckoning;
 mod driven;
 mod ekf;
+mod ekf_slam;
+mod estimated_map;
 mod histogram;
+mod kf_slam;
 mod landmark_mcl;
+mod lateration;
+mod line_ekf;
 mod mcl;
 mod method;
 mod rail;
 mod whitened;
 
 pub use cloud::Cloud;
+pub use estimated_map::EstimatedMap;
 pub use method::{Method, MethodSettings, RailSettings};
 pub use whitened::Whitened;
 
 use crate::Result;
 use crate::event::{Control, Measurement};
 use loc_core::{Gaussian, Pose2};
+use loc_filters::line_matching::LineUpdate;
 use loc_sensors::landmark_camera::{Sight, Sighting};
 use nalgebra::{Matrix3, Point2};
 
@@ -54,9 +61,22 @@ pub trait Localizer {
         Vec::new()
     }
 
+    /// The landmarks of a method that draws its own map; `None` for any other.
+    ///
+    /// # Errors
+    /// What the filter refuses.
+    fn map(&self) -> Result<Option<EstimatedMap>> {
+        Ok(None)
+    }
+
     /// The particles of a method that has any, for figures: thinned to at most
     /// [`Cloud::MOST`](cloud::Cloud::MOST).
     fn cloud(&self) -> Option<Cloud> {
+        None
+    }
+
+    /// What the last scan told a method that matches lines, for figures.
+    fn lines(&self) -> Option<&LineUpdate> {
         None
     }
 }

@@ -43,3 +43,11 @@ fn is_near(run: &Run, record: &MethodRecord, k: usize) -> bool {
     let turn = angle::difference(estimate.pose.theta, truth.theta).abs();
     estimate.pose.distance(truth) <= NEAR && turn <= NEAR_TURN.to_radians()
 }
+
+/// Whether a method knows at the end of a run where the robot is: its last six estimates lie within
+/// 0.5 m and 10 deg of the truth. `None` without a truth.
+pub fn ends_near(run: &Run, record: &MethodRecord) -> Option<bool> {
+    let count = run.truth.len();
+    let first = count.saturating_sub(STAYS + 1);
+    (count > 0).then(|| (first..count).all(|k| is_near(run, record, k)))
+}

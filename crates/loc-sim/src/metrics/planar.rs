@@ -15,13 +15,15 @@ pub struct PlanarErrors {
     pub ate_median_m: f64,
     /// Largest distance to the truth \[m\].
     pub ate_max_m: f64,
-    /// Root mean square of the heading errors, each in (-180, 180] \[deg\].
-    pub heading_rmse_deg: f64,
+    /// Root mean square of the heading errors, each in (-180, 180] \[deg\]; `None` where no true
+    /// heading is known.
+    pub heading_rmse_deg: Option<f64>,
     /// Distance to the truth at the end \[m\].
     pub final_error_m: f64,
     /// Root mean square of the errors of the motion from pose to pose \[m\]; `None` for one pose.
     pub rpe_trans_rmse_m: Option<f64>,
-    /// Root mean square of the errors of the turn from pose to pose \[deg\]; `None` for one pose.
+    /// Root mean square of the errors of the turn from pose to pose \[deg\]; `None` for one pose
+    /// or without true headings.
     pub rpe_rot_rmse_deg: Option<f64>,
 }
 
@@ -36,6 +38,17 @@ impl PlanarErrors {
         "rpe_trans_rmse_m",
         "rpe_rot_rmse_deg",
     ];
+
+    /// The figures of positions alone. What is seen from the pose before needs a heading, too.
+    #[must_use]
+    pub fn without_headings(self) -> Self {
+        PlanarErrors {
+            heading_rmse_deg: None,
+            rpe_trans_rmse_m: None,
+            rpe_rot_rmse_deg: None,
+            ..self
+        }
+    }
 }
 
 /// The errors over poses that are paired one to one, in order of time.
@@ -58,7 +71,7 @@ pub fn planar_errors(pairs: &[Pair<Pose2>], align: Alignment) -> Result<PlanarEr
         ate_rmse_m: position.rmse,
         ate_median_m: position.median,
         ate_max_m: position.max,
-        heading_rmse_deg: heading.rmse,
+        heading_rmse_deg: Some(heading.rmse),
         final_error_m: distances[distances.len() - 1],
         rpe_trans_rmse_m: relative(Unit::Metre, rpe::translation_errors(&pairs))?,
         rpe_rot_rmse_deg: relative(Unit::Degree, rpe::rotation_errors(&pairs))?,

@@ -1,6 +1,8 @@
 //! The figures of a run: what `summary.json` holds.
 
-use super::{Alignment, Found, Pair, PlanarErrors, found, planar_errors, pose_nees};
+use super::{
+    Alignment, Found, LandmarkErrors, Pair, PlanarErrors, found, landmark_errors, planar_errors,
+};
 use crate::Result;
 use crate::record::{MethodRecord, Run};
 use serde::{Serialize, Serializer};
@@ -31,7 +33,8 @@ pub struct MethodSummary {
     /// How far the estimates are off; each figure null without a truth.
     #[serde(flatten, serialize_with = "errors_or_nulls")]
     pub errors: Option<PlanarErrors>,
-    /// Mean normalised estimation error squared; 3 for an honest covariance of a pose.
+    /// Mean normalised estimation error squared; 3 for an honest covariance of a pose, 2 where
+    /// only true positions are known.
     pub nees_mean: Option<f64>,
     /// Mean normalised innovation squared of the accepted measurements.
     pub nis_mean: Option<f64>,
@@ -39,6 +42,8 @@ pub struct MethodSummary {
     pub measurements_used: usize,
     /// Measurements that did not.
     pub measurements_rejected: usize,
+    /// How good the map is that the method has drawn; null for one that draws none.
+    pub landmarks: Option<LandmarkErrors>,
     /// How long a method that started without a pose needed to find it, see [`found`]; null for
     /// one that was given it, or that never did.
     pub converged_at_s: Option<f64>,
@@ -85,11 +90,15 @@ impl MethodSummary {
         let both = || record.estimates.iter().zip(&run.truth);
         let pairs: Vec<_> =
             both().map(|(e, t)| Pair { estimate: e.pose, reference: t.value.pose }).collect();
-        let nees = mean(both().filter_map(|(e, t)| pose_nees(e, t.value.pose)));
+        let nees = mean(both().filter_map(|(e, t)| Some(run.nees(e, t.value.pose)?.1)));
         let accepted = || record.judgements.iter().filter(|j| j.value.accepted);
         let used = accepted().count();
         let faster = run.duration() / record.runtime;
         let errors = (!pairs.is_empty()).then(|| planar_errors(&pairs, align)).transpose()?;
+        let errors = errors.map(|errors| match run.truth_has_heading {
+            true => errors,
+            false => errors.without_headings(),
+        });
         let searched = run.settings.global && record.method.can_search();
         let converged = searched.then(|| found(run, record, run.setup.start)).flatten();
         let recovered = run.setup.kidnapped_at.and_then(|at| found(run, record, at));
@@ -100,6 +109,7 @@ impl MethodSummary {
             nis_mean: mean(accepted().filter_map(|judgement| judgement.value.nis)),
             measurements_used: used,
             measurements_rejected: record.judgements.len() - used,
+            landmarks: landmark_errors(run, record)?,
             converged_at_s: converged.map(after),
             converged_after_updates: converged.map(updates),
             recovered_after_s: recovered.map(after),

@@ -13,6 +13,7 @@ mod backdrop;
 pub mod figures;
 mod folder;
 mod illustration;
+pub mod mcap;
 pub mod perceptual;
 pub(crate) mod png;
 mod report;
@@ -24,6 +25,7 @@ pub use backdrop::backdrop;
 pub use folder::Folder;
 pub use illustration::Illustration;
 pub use report::Report;
+pub(crate) use report::plain;
 pub use table::{final_beliefs, table};
 
 use crate::Result;

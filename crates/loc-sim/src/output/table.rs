@@ -19,6 +19,7 @@ pub fn table(summary: &Summary) -> String {
     let names = COLUMNS.map(|name| format!("{name:>width$}", width = width(name))).concat();
     lines.push(format!("{:<15}{names}", "method"));
     lines.extend(summary.methods.iter().map(|(name, method)| row(name, method)));
+    lines.extend(summary.methods.iter().filter_map(|(name, method)| map_line(name, method)));
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n")
 }
@@ -26,13 +27,13 @@ pub fn table(summary: &Summary) -> String {
 /// The figures of a method, one for each column.
 pub(super) fn cells(method: &MethodSummary) -> [String; COLUMNS.len()] {
     let errors = method.errors.as_ref();
-    let cell = |digits: usize, figure: fn(&PlanarErrors) -> f64| {
-        errors.map_or("-".into(), |errors| format!("{:.digits$}", figure(errors)))
+    let cell = |digits: usize, figure: fn(&PlanarErrors) -> Option<f64>| {
+        errors.and_then(figure).map_or("-".into(), |figure| format!("{figure:.digits$}"))
     };
     [
-        cell(3, |errors| errors.ate_rmse_m),
-        cell(3, |errors| errors.ate_max_m),
-        cell(3, |errors| errors.final_error_m),
+        cell(3, |errors| Some(errors.ate_rmse_m)),
+        cell(3, |errors| Some(errors.ate_max_m)),
+        cell(3, |errors| Some(errors.final_error_m)),
         cell(2, |errors| errors.heading_rmse_deg),
         method.nees_mean.map_or("-".into(), |nees| match nees {
             // A covariance far too small; its digits would push the columns apart.
@@ -42,6 +43,17 @@ pub(super) fn cells(method: &MethodSummary) -> [String; COLUMNS.len()] {
         method.measurements_used.to_string(),
         method.measurements_rejected.to_string(),
     ]
+}
+
+/// The map that a method has drawn.
+fn map_line(name: &str, method: &MethodSummary) -> Option<String> {
+    let map = method.landmarks?;
+    let (Some(found), Some(extra)) = (map.found, map.extra) else {
+        return Some(format!("{name} mapped {} landmarks", map.mapped));
+    };
+    let rmse = map.rmse_m.map_or(String::new(), |rmse| format!(", off by {rmse:.3} m RMSE"));
+    let extra = if extra > 0 { format!(", {extra} that are none") } else { String::new() };
+    Some(format!("{name} found {found} landmarks{rmse}{extra}"))
 }
 
 fn row(name: &str, method: &MethodSummary) -> String {

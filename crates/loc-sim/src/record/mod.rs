@@ -2,14 +2,17 @@
 //! recording may come without a truth; its estimates are those at its scans.
 
 use crate::event::Truth;
-use crate::localizer::{Estimate, Judgement, Method, MethodSettings};
+use crate::localizer::{Estimate, EstimatedMap, Judgement, Method, MethodSettings};
+use crate::metrics::pose_nees_with_freedom;
 use crate::source::Setup;
-use loc_core::Stamped;
+use loc_core::{Pose2, Stamped};
 
 mod film;
+mod moments;
 mod snapshots;
 
 pub use film::{Film, Filming, Frame, Inside};
+pub use moments::LineMoments;
 pub use snapshots::Snapshots;
 
 /// A finished run of several methods over one source.
@@ -23,6 +26,8 @@ pub struct Run {
     pub stamps: Vec<f64>,
     /// The truth at each of the stamps; empty where nothing is known of it.
     pub truth: Vec<Stamped<Truth>>,
+    /// Whether the true headings mean anything; else only positions are known.
+    pub truth_has_heading: bool,
     /// One record per method, in the order in which they were asked for.
     pub methods: Vec<MethodRecord>,
     /// What the source passed over.
@@ -42,6 +47,10 @@ pub struct MethodRecord {
     pub judgements: Vec<Stamped<Judgement>>,
     /// The particles of a method that has any, now and then.
     pub snapshots: Snapshots,
+    /// The scans that moved the pose most, of a method that matches lines.
+    pub lines: LineMoments,
+    /// The map at the end, of a method that draws its own.
+    pub map: Option<EstimatedMap>,
     /// Number of controls and measurements it took in.
     pub updates: usize,
     /// Time it took \[s\].
@@ -64,6 +73,17 @@ impl Run {
         let step = |pair: &[Stamped<Truth>]| pair[0].value.pose.distance(pair[1].value.pose);
         let driven = self.truth.windows(2).filter(drove).map(step).sum();
         (!self.truth.is_empty()).then_some(driven)
+    }
+
+    /// Degrees of freedom and NEES of an estimate against a true pose of this run: of the position
+    /// alone where no true heading is known. See [`pose_nees_with_freedom`].
+    pub fn nees(&self, estimate: &Estimate, truth: Pose2) -> Option<(usize, f64)> {
+        let mut judged = *estimate;
+        if let Some(covariance) = judged.covariance.as_mut().filter(|_| !self.truth_has_heading) {
+            covariance.fill_row(2, 0.0);
+            covariance.fill_column(2, 0.0);
+        }
+        pose_nees_with_freedom(&judged, truth)
     }
 
     /// Whether the robot was kidnapped after the first of two times \[s\], or at the second one.

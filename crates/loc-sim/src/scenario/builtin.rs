@@ -6,18 +6,24 @@ use crate::{Error, Result};
 pub const DEFAULT: &str = "overview";
 
 /// Name and TOML text of every built-in scenario, in the order in which they are listed.
-pub const ALL: [(&str, &str); 16] = [
+pub const ALL: [(&str, &str); 22] = [
     ("overview", include_str!("../../scenarios/overview.toml")),
     ("kurt2-example", include_str!("../../scenarios/kurt2-example.toml")),
     ("circle-drive", include_str!("../../scenarios/circle-drive.toml")),
+    ("lateration", include_str!("../../scenarios/lateration.toml")),
     ("two-sensors", include_str!("../../scenarios/two-sensors.toml")),
     ("accelerated-vehicle", include_str!("../../scenarios/accelerated-vehicle.toml")),
     ("landmark-drive", include_str!("../../scenarios/landmark-drive.toml")),
     ("aibo-soccer", include_str!("../../scenarios/aibo-soccer.toml")),
+    ("line-matching", include_str!("../../scenarios/line-matching.toml")),
     ("mailbox", include_str!("../../scenarios/mailbox.toml")),
     ("door-corridor", include_str!("../../scenarios/door-corridor.toml")),
     ("mcl-1d", include_str!("../../scenarios/mcl-1d.toml")),
     ("diversity", include_str!("../../scenarios/diversity.toml")),
+    ("slam-linear", include_str!("../../scenarios/slam-linear.toml")),
+    ("slam-landmarks", include_str!("../../scenarios/slam-landmarks.toml")),
+    ("slam-loop", include_str!("../../scenarios/slam-loop.toml")),
+    ("slam-unnumbered", include_str!("../../scenarios/slam-unnumbered.toml")),
     ("position-tracking", include_str!("../../scenarios/position-tracking.toml")),
     ("global-localization", include_str!("../../scenarios/global-localization.toml")),
     ("kidnapped-robot", include_str!("../../scenarios/kidnapped-robot.toml")),

@@ -1,6 +1,6 @@
 //! What the filters are told, in the units of configuration files.
 
-use super::LandmarkMclConfig;
+use super::{LandmarkMclConfig, LaterationConfig, SlamConfig};
 use crate::Result;
 use crate::localizer::MethodSettings;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
@@ -8,6 +8,7 @@ use loc_core::error::{non_negative, positive};
 use loc_core::motion::Integration;
 use loc_filters::histogram::GridSettings;
 use loc_filters::landmark::LandmarkSettings;
+use loc_filters::line_matching::LineMatchingSettings;
 use loc_pf::MclSettings;
 use serde::Deserialize;
 
@@ -25,12 +26,18 @@ pub struct FilterConfig {
     pub gate_probability: Option<f64>,
     /// How late an input may come.
     pub horizon_s: Option<f64>,
+    /// Settings of line matching; where left out, it knows the noise of a simulated laser.
+    pub line_matching: Option<LineMatchingSettings>,
     /// Settings of the particle filter.
     pub mcl: MclSettings,
     /// Settings of the grid over the poses in a map.
     pub histogram: GridSettings,
     /// What the particle filter among landmarks is told beside.
     pub landmark_mcl: LandmarkMclConfig,
+    /// What lateration is told beside.
+    pub lateration: LaterationConfig,
+    /// What SLAM is told beside.
+    pub slam: SlamConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
 }
@@ -43,11 +50,16 @@ impl FilterConfig {
     pub(super) fn methods(&self, landmark: LandmarkSettings) -> Result<MethodSettings> {
         self.mcl.validate()?;
         self.histogram.validate()?;
+        let line_matching = self.line_matching.unwrap_or_default();
+        line_matching.check()?;
         Ok(MethodSettings {
             landmark: self.apply(landmark)?,
             mcl: self.mcl.clone(),
             histogram: self.histogram,
             landmark_mcl: self.landmark_mcl.settings()?,
+            lateration: self.lateration.settings()?,
+            line_matching,
+            slam: self.slam.settings()?,
             global: self.global,
             ..MethodSettings::default()
         })

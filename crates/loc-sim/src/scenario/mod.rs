@@ -14,11 +14,16 @@
 pub mod builtin;
 mod filter;
 mod landmark_mcl;
+mod lateration;
 pub mod recording;
+mod shorthand;
+mod slam;
 
 pub use filter::FilterConfig;
 pub use landmark_mcl::LandmarkMclConfig;
+pub use lateration::LaterationConfig;
 pub use recording::{RecordingConfig, StartConfig};
+pub use slam::SlamConfig;
 
 use crate::demonstration::DemonstrationConfig;
 use crate::localizer::{Method, MethodSettings};
@@ -99,9 +104,22 @@ impl Scenario {
     /// # Errors
     /// [`Error::Config`] with line and key.
     pub fn parse(file: &str, text: &str, changes: &[String]) -> Result<Self> {
-        let scenario: Scenario = config::parse(file, text, changes)?;
+        let changes = Scenario::in_full(file, text, changes)?;
+        let scenario: Scenario = config::parse(file, text, &changes)?;
         scenario.check().map_err(|error| config::error(file, &error.to_string()))?;
         Ok(scenario)
+    }
+
+    /// Changes with their keys in full: a few settings have short names, and the name of what is
+    /// simulated may be left out (`laser.every_s` for `tour.laser.every_s`).
+    ///
+    /// # Errors
+    /// [`Error::Config`] for text that is no TOML.
+    pub(crate) fn in_full(file: &str, text: &str, changes: &[String]) -> Result<Vec<String>> {
+        if changes.is_empty() {
+            return Ok(Vec::new());
+        }
+        Ok(shorthand::expand(&config::table(file, text, &[])?, changes))
     }
 
     fn check(&self) -> Result<()> {
@@ -190,11 +208,15 @@ impl Scenario {
             Kind::Tour(tour) => tour.sights()?,
         };
         let filter = self.filter.clone().unwrap_or_default();
-        Ok(MethodSettings {
-            rail: self.rail.as_ref().map(RailConfig::settings).unwrap_or_default(),
-            seed: self.seed,
-            ..filter.methods(sensors)?
-        })
+        let mut settings = filter.methods(sensors)?;
+        if let (Kind::Tour(tour), None) = (self.kind()?, filter.line_matching) {
+            let extractor = &mut settings.line_matching.extractor;
+            extractor.noise = tour.laser.scanner()?.spec.noise;
+            // Walls of cells are smooth, and simulated beams go where they should.
+            (extractor.roughness, extractor.angle_sigma) = (0.0, 0.0);
+        }
+        let rail = self.rail.as_ref().map(RailConfig::settings).unwrap_or_default();
+        Ok(MethodSettings { rail, seed: self.seed, ..settings })
     }
 
     /// What a scenario shows that needs no method; `None` for one that [`run`](Scenario::run) is

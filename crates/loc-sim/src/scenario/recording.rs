@@ -17,6 +17,9 @@ pub const MRCLAM: &str = include_str!("../../recordings/mrclam.toml");
 /// The settings that recordings with a laser are replayed with, as TOML.
 pub const LASER: &str = include_str!("../../recordings/laser.toml");
 
+/// The settings that recordings of ranges are replayed with, as TOML.
+pub const RANGING: &str = include_str!("../../recordings/ranging.toml");
+
 /// What a replay knows about the robot beside its log.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]

@@ -79,6 +79,10 @@ impl<S: Source> Source for Calibrated<S> {
         self.source.notes()
     }
 
+    fn truth_has_heading(&self) -> bool {
+        self.source.truth_has_heading()
+    }
+
     fn has_truth(&self) -> bool {
         self.source.has_truth()
     }

@@ -10,6 +10,7 @@ pub mod mrclam;
 mod noise;
 pub mod people;
 pub mod rail;
+pub mod ranging;
 mod reorder;
 pub mod ros;
 pub mod tour;
@@ -21,13 +22,14 @@ pub use laser_log::LaserRecording;
 pub use mrclam::Mrclam;
 pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
 pub use rail::SimulatedRail;
+pub use ranging::RangeRecording;
 pub use ros::RosRecording;
 pub use tour::SimulatedTour;
 
 use crate::Result;
 use crate::event::Event;
 use loc_core::Gaussian;
-use loc_maps::{LandmarkMap, OccupancyGrid};
+use loc_maps::{LandmarkMap, LineMap, OccupancyGrid};
 use std::sync::Arc;
 
 /// What is known before the first event.
@@ -47,6 +49,8 @@ pub struct Setup {
     pub landmarks: Arc<LandmarkMap>,
     /// The map of the surroundings, where there is one.
     pub map: Option<Arc<OccupancyGrid>>,
+    /// The walls as lines, where somebody has drawn them.
+    pub lines: Option<Arc<LineMap>>,
     /// Whether a laser reports scans.
     pub has_laser: bool,
     /// When the robot is carried to another place without being told \[s\]: from then on it is
@@ -68,6 +72,11 @@ pub trait Source {
     /// What was passed over, as counted lines for the user: `3 sightings of unknown barcodes`.
     fn notes(&self) -> Vec<String> {
         Vec::new()
+    }
+
+    /// Whether the true poses have headings; where only positions are known, theirs are 0.
+    fn truth_has_heading(&self) -> bool {
+        true
     }
 
     /// Whether true poses are among the events. Without any, a run is sampled at its scans.

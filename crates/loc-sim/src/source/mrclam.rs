@@ -66,6 +66,7 @@ impl Mrclam {
                 rail: None,
                 landmarks: Arc::new(landmarks),
                 map: None,
+                lines: None,
                 has_laser: false,
                 kidnapped_at: None,
             },

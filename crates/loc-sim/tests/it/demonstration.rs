@@ -1,10 +1,11 @@
 //! What the filters do inside: F5, K1 in one dimension, M2 and M11.
 
 use approx::assert_relative_eq;
+use loc_filters::lateration::Caution;
 use loc_sim::demonstration::door_corridor::Step;
 use loc_sim::demonstration::mcl_1d::Stage;
 use loc_sim::demonstration::{
-    DemonstrationConfig, Diversity, DiversityConfig, DoorCorridor, DoorCorridorConfig,
+    DemonstrationConfig, Diversity, DiversityConfig, DoorCorridor, DoorCorridorConfig, Lateration,
     MailboxDiagnosis, Mcl1d, Mcl1dConfig,
 };
 use loc_sim::scenario::Scenario;
@@ -119,6 +120,7 @@ fn figures_are_written_and_the_same_for_the_same_seed() {
     for (name, file) in [
         ("mcl-1d", "stages.svg"),
         ("diversity", "diversity.svg"),
+        ("lateration", "lateration.svg"),
         ("mailbox", "mailbox.svg"),
         ("door-corridor", "beliefs.svg"),
     ] {
@@ -154,11 +156,48 @@ fn bad_values_name_their_key() {
         ("diversity", "effective_share=2.0", "effective share of the particles"),
         ("diversity", "kind=\"magic\"", "unknown variant `magic`"),
         ("diversity", "colour=1", "unknown field `colour`"),
+        ("lateration", "draws=0", "demonstration.draws: expected 1 to 100000, got `0`"),
+        ("lateration", "range_sigma_m=0", "demonstration.range_sigma_m: expected a finite number"),
+        ("lateration", "rooms=[]", "demonstration.rooms: expected 1 to 12, got `0`"),
+        (
+            "lateration",
+            "rooms=[{name=\"x\",robot_m=[1.0],landmarks_m=[]}]",
+            "demonstration.rooms.robot_m: expected 2 or 3 coordinates, got `[1.0] in x`",
+        ),
+        (
+            "lateration",
+            "rooms=[{name=\"x\",robot_m=[1.0,2.0],landmarks_m=[[1.0,2.0,3.0]]}]",
+            "expected places of 2 finite coordinates, as the robot has, got `[1.0, 2.0, 3.0] in x`",
+        ),
     ] {
         let change = format!("demonstration.{change}");
         let error = Scenario::named(name, &[change]).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");
     }
+}
+
+/// D1 to D4: two places with two landmarks and with three in space, one with five; the ellipse is
+/// as large as the scatter except where all landmarks lie in one direction.
+#[test]
+fn four_rooms_show_what_lateration_can_do() {
+    let Some(DemonstrationConfig::Lateration(mut config)) =
+        scenario("lateration", &[]).demonstration
+    else {
+        panic!()
+    };
+    config.draws = 2000;
+    let rooms = Lateration::new(&config, 4).unwrap().rooms;
+    let ambiguous = rooms.iter().map(|room| {
+        room.cautions.iter().any(|caution| matches!(caution, Caution::Ambiguous { .. }))
+    });
+    assert_eq!(ambiguous.collect::<Vec<_>>(), [true, false, true, true]);
+    for room in &rooms[..3] {
+        let ratio = room.measured / room.promised;
+        assert!((0.85..1.15).contains(&ratio), "{}: {ratio}", room.name);
+    }
+    assert!(rooms[3].dilution > 3.0 * rooms[0].dilution && rooms[3].other.is_some());
+    let apart = rooms[2].other.unwrap().mean.y - rooms[2].best.mean.y;
+    assert!(apart > 7.0, "the other place is above the ceiling: {apart}");
 }
 
 /// F5: P(full | up) = 0.27 / 0.34, then a day by hand.

@@ -16,12 +16,14 @@ mod figures;
 mod fit_beam;
 mod landmark_mcl;
 mod layering;
+mod line_matching;
 #[cfg(feature = "cli")]
 mod map;
 mod metrics;
 mod mrclam;
 mod nav2;
 mod particles;
+mod ranging;
 mod recordings;
 #[cfg(feature = "cli")]
 mod replay;
@@ -29,6 +31,8 @@ mod report;
 mod ros;
 mod scenarios;
 mod sense;
+mod slam;
+mod study;
 mod switches;
 mod tour;
 mod wean;

@@ -34,14 +34,16 @@ pub(super) struct Lattice {
 impl Step {
     /// The step as odometry usually reports it.
     pub(super) fn usual(path: &DrivenPath, noise: &PathNoise) -> Self {
-        let variances = noise.variances(path) + noise.least_variances();
+        let least = [noise.least_position, noise.least_position, noise.least_heading];
+        let variances = noise.variances(path) + Vector3::from(least.map(|sigma| sigma * sigma));
         Step { by: path.step(), variances, tail: USUAL_TAIL }
     }
 
     /// The step of an odometry that has failed.
     pub(super) fn faulty(path: &DrivenPath, noise: &PathNoise) -> Self {
         let usual = Step::usual(path, noise);
-        let variances = usual.variances + noise.fault_variances(path);
+        let fault = PathNoise::fault_sigmas(path);
+        let variances = usual.variances + fault.component_mul(&fault);
         Step { variances, tail: FAULTY_TAIL, ..usual }
     }
 

@@ -13,15 +13,17 @@ use loc_core::gaussian::cholesky;
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::landmark_camera::Sighting;
-use nalgebra::{Matrix3, Point2, Vector3};
+use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use track::{Passed, Track};
-use window::{Carried, HEADING, Window, pose_of};
+use window::{Carried, HEADING, Leg, Window, pose_of};
 
 /// Variance of a heading of which nothing is known \[rad^2\].
 const NO_HEADING: f64 = PI * PI / 3.0;
+/// Least variance of a start \[m^2, rad^2\]: 1 mm, 1 mrad.
+const CERTAIN: f64 = 1e-6;
 /// Headings from which a pose is sought that nobody knows.
 const HEADINGS: usize = 8;
 /// A cost per distance above this makes the whole map be searched again.
@@ -181,7 +183,8 @@ impl SlidingLateration {
         let judge = |heard: &Heard| match &solved {
             None => RangeOutcome::Waiting,
             Some((window, found)) => {
-                let range = self.carried(heard, now, &self.track.at(now));
+                let passed = self.track.at(now);
+                let range = self.carried(heard, now, &passed, &passed);
                 let fits = window.deviation(&range, &found.at).abs() <= FITS;
                 if fits { RangeOutcome::Fits } else { RangeOutcome::Off }
             }
@@ -236,30 +239,46 @@ impl SlidingLateration {
         belief
     }
 
-    /// A distance as seen from a later time, to which the robot has come by `passed`.
-    fn carried(&self, heard: &Heard, now: f64, passed: &Passed) -> Carried {
+    /// A distance as seen from a later time, to which the robot has come by `passed`; `next` is how
+    /// far it had come at the distance after it.
+    fn carried(&self, heard: &Heard, now: f64, passed: &Passed, next: &Passed) -> Carried {
         let SlidingSettings { motion_noise: noise, antenna, .. } = &self.settings;
         let then = self.track.at(heard.stamp);
+        let pose = passed.pose.between(then.pose);
+        let (sin, cos) = pose.theta.sin_cos();
+        let (leg_way, leg_turned) = (next.way - then.way, next.turned - then.turned);
+        let leg = Leg {
+            at: pose.position().coords,
+            ahead: Vector2::new(cos, sin),
+            along: noise.k_d * leg_way,
+            turn: noise.k_drift * leg_way + noise.k_theta * leg_turned,
+        };
         let (way, turned) = (passed.way - then.way, passed.turned - then.turned);
-        let antenna = passed.pose.between(then.pose).transform(antenna).coords;
+        let antenna = pose.transform(antenna).coords;
         let heading = noise.k_drift * way + noise.k_theta * turned;
-        let mut variance = self.settings.range_noise.range_sigma_at(heard.distance).powi(2);
+        let mut own_sigma = self.settings.range_noise.range_sigma_at(heard.distance);
+        let mut variance = own_sigma * own_sigma;
         // The mean of a heading error that grows evenly, over a straight way.
         variance += noise.k_d * way + heading * antenna.norm_squared() / 3.0;
         if !self.settings.odometry {
             variance += (self.settings.walk * (now - heard.stamp)).powi(2);
+            own_sigma = variance.sqrt();
         }
         let (landmark, distance) = (heard.landmark, heard.distance);
-        Carried { landmark, distance, sigma: variance.sqrt(), antenna }
+        Carried { landmark, distance, sigma: variance.sqrt(), antenna, own_sigma, leg }
     }
 
     /// The pose that fits the window best.
     fn solve(&self, now: f64) -> Option<(Window, Minimum)> {
         let passed = self.track.at(now);
+        let next = self.window.iter().skip(1).map(|heard| self.track.at(heard.stamp));
+        let pairs = self.window.iter().zip(next.chain([passed]));
         let ranges: Vec<Carried> =
-            self.window.iter().map(|heard| self.carried(heard, now, &passed)).collect();
+            pairs.map(|(heard, next)| self.carried(heard, now, &passed, &next)).collect();
         let known = self.start.and_then(|(stamp, belief)| {
-            let belief = self.carry(&belief, stamp, now);
+            let mut belief = self.carry(&belief, stamp, now);
+            // A start that is certain would leave nothing to weigh.
+            belief.covariance += Matrix3::identity() * CERTAIN;
             Some((belief.mean, cholesky("start", &belief.covariance).ok()?))
         });
         let size = |r: &Carried| r.distance + r.antenna.norm() + r.sigma;

@@ -1,10 +1,12 @@
 //! Distances of the recent past as a sum to minimise over the pose now, scale and offset.
 
-use crate::lateration::minimize::{Minimum, OFFSET, Problem, Row, SCALE, Unknowns, minimize};
+use crate::lateration::minimize::{
+    Minimum, OFFSET, Problem, Row, SCALE, Square, UNKNOWNS, Unknowns, minimize,
+};
 use crate::lateration::place::{bias_reach, bias_rows};
 use crate::lateration::{BiasPrior, Loss, RangeBias};
 use loc_core::{Gaussian, angle};
-use nalgebra::{Cholesky, Const, Point2, Vector2, Vector3};
+use nalgebra::{Cholesky, Const, Point2, Rotation2, SMatrix, Vector2, Vector3};
 use std::f64::consts::PI;
 
 /// Where the heading stands among the unknowns.
@@ -19,6 +21,23 @@ pub(super) struct Carried {
     pub(super) sigma: f64,
     /// The antenna then, in the robot's frame now \[m\].
     pub(super) antenna: Vector2<f64>,
+    /// Standard deviation of the distance alone \[m\].
+    pub(super) own_sigma: f64,
+    /// How far odometry may be off from then to the next distance.
+    pub(super) leg: Leg,
+}
+
+/// A piece of the way between two distances, seen from where the robot is now.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Leg {
+    /// The robot at its start \[m\].
+    pub(super) at: Vector2<f64>,
+    /// Its heading there, as a unit vector.
+    pub(super) ahead: Vector2<f64>,
+    /// Variance of its length \[m^2\].
+    pub(super) along: f64,
+    /// Variance of its turn \[rad^2\].
+    pub(super) turn: f64,
 }
 
 /// The window's sum of squares.
@@ -70,7 +89,15 @@ impl Window {
             1.0,
         ]);
         let residual = bias.reported(distance) - range.distance;
-        Row { residual, gradient, sigma: range.sigma, scale: range.sigma, loss: self.loss }
+        let own_variance = range.own_sigma * range.own_sigma;
+        Row { residual, gradient, own_variance, ..Row::like(range.sigma, self.loss) }
+    }
+
+    /// Direction of the distance's growth, in the robot's frame now.
+    fn direction(range: &Carried, at: &Unknowns) -> Vector2<f64> {
+        let turned = Rotation2::new(at[HEADING]);
+        let way = Vector2::new(at[0], at[1]) + turned * range.antenna - range.landmark.coords;
+        turned.inverse() * way.try_normalize(0.0).unwrap_or_default()
     }
 }
 
@@ -90,8 +117,29 @@ impl Problem for Window {
             let mut gradient = Unknowns::zeros();
             gradient.fixed_rows_mut::<3>(0).copy_from(&slopes.row(k).transpose());
             let residual = whitened[k];
-            visit(&Row { residual, gradient, sigma: 1.0, scale: 1.0, loss: Loss::Quadratic });
+            visit(&Row { residual, gradient, ..Row::like(1.0, Loss::Quadratic) });
         }
+    }
+
+    /// An error of odometry on one leg moves all that was measured before it.
+    fn shared_noise(&self, at: &Unknowns) -> Square {
+        let mut noise = Square::zeros();
+        // Of all distances so far: how the gradient answers to a shift, and to a turn about 0.
+        let mut by_shift = SMatrix::<f64, UNKNOWNS, 2>::zeros();
+        let mut by_turn = Unknowns::zeros();
+        for range in &self.ranges {
+            let Row { residual, gradient, sigma, loss, .. } = self.row(range, at);
+            let direction = Window::direction(range, at) * at[SCALE];
+            let weighted = gradient * (loss.weight(residual / sigma) / (sigma * sigma));
+            by_shift += weighted * direction.transpose();
+            by_turn += weighted * direction.dot(&across(range.antenna));
+            let Leg { at: pivot, ahead, along, turn } = range.leg;
+            let shifted = by_shift * ahead;
+            let turned = by_turn - by_shift * across(pivot);
+            noise.ger(along, &shifted, &shifted, 1.0);
+            noise.ger(turn, &turned, &turned, 1.0);
+        }
+        noise
     }
 
     fn reach(&self) -> Unknowns {
@@ -100,6 +148,11 @@ impl Problem for Window {
         bias_reach(&self.bias, self.extent, &mut reach);
         reach
     }
+}
+
+/// A vector turned left by a right angle.
+fn across(vector: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-vector.y, vector.x)
 }
 
 /// The pose among the unknowns, as a belief.

@@ -30,6 +30,7 @@ impl EkfSlam {
         let mut outcomes = Vec::with_capacity(sightings.len());
         let mut budget = self.settings.association.search_limit;
         for group in sightings.chunks(AssociationSettings::GROUP) {
+            self.refocus(group)?;
             match self.settings.identities {
                 Identities::Known => self.correct_numbered(group, &mut outcomes)?,
                 Identities::Unknown => {
@@ -42,7 +43,8 @@ impl EkfSlam {
             for id in outcomes.iter().filter_map(|outcome| outcome.landmark) {
                 self.numbers.get(&id).into_iter().for_each(|&landmark| seen[landmark] = true);
             }
-            self.tidy(&seen);
+            self.tidy(&seen)?;
+            self.merge(&mut outcomes)?;
         }
         Ok(outcomes)
     }
@@ -73,8 +75,7 @@ impl EkfSlam {
         for k in new {
             outcomes[first + k] = self.welcome(&group[k])?;
         }
-        self.remove_false();
-        Ok(())
+        self.remove_false()
     }
 
     /// A sighting of a number that the state did not have when its group began.
@@ -103,19 +104,21 @@ impl EkfSlam {
         let places: Vec<Option<Place>> = group.iter().map(|seen| self.place(seen)).collect();
         let placed: Vec<Place> = places.iter().flatten().copied().collect();
         placed.iter().for_each(|place| self.reach.include(place));
-        let association = self.associator.associate_within(&Pairs::new(self, &placed), budget);
-        let association = association.map_err(|error| self.state.blamed(error))?;
+        let pairs = Pairs::new(self, &placed);
+        let association = self.associator.associate_within(&pairs, budget);
+        let association = association.map_err(|error| self.state.robot_state().blamed(error))?;
+        let telling: Vec<bool> = (0..placed.len()).map(|k| pairs.is_telling(k)).collect();
         let mut rows = Vec::with_capacity(2 * placed.len());
         let mut found = vec![UNPLACEABLE; group.len()];
         let mut new = Vec::new();
         let placed = (0..group.len()).filter(|&k| places[k].is_some());
-        for (k, (partner, nis)) in placed.zip(association.partners.iter().zip(association.nearest))
-        {
-            match partner {
+        for (sighting, k) in placed.enumerate() {
+            let nis = association.nearest[sighting];
+            match association.partners[sighting] {
                 Some(landmark) => {
-                    found[k] = self.judge(*landmark, group[k].sight, &self.gate, &mut rows)?;
+                    found[k] = self.judge(landmark, group[k].sight, &self.gate, &mut rows)?;
                 }
-                None if nis > self.new_landmark_gate => new.push(k),
+                None if nis > self.new_landmark_gate || !telling[sighting] => new.push(k),
                 None => found[k].verdict = SlamVerdict::Ambiguous(nis),
             }
         }
@@ -164,7 +167,7 @@ impl EkfSlam {
         }
     }
 
-    fn apply(&mut self, rows: &[Row<3>]) -> Result<()> {
+    pub(super) fn apply(&mut self, rows: &[Row<3>]) -> Result<()> {
         if !rows.is_empty() {
             self.state.correct(rows)?;
             let robot = self.state.robot_mut();

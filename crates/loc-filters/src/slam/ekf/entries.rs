@@ -16,6 +16,8 @@ pub(super) struct Entry {
     /// How much speaks for it, see [`super::MapSettings`].
     pub(super) score: f64,
     pub(super) confirmed: bool,
+    /// Step of the filter at its last sighting.
+    pub(super) seen_at: u64,
 }
 
 /// How far the camera has been seen to see. Landmarks well within it should be seen again.
@@ -31,12 +33,20 @@ const NO_SCORE: f64 = 1e-9;
 impl Reach {
     /// The part of the view in which a landmark should be seen.
     const MIDDLE: f64 = 0.7;
+    /// The least that a camera is taken to see \[m, rad\].
+    const LEAST_RANGE: f64 = 1.0;
+    const LEAST_BEARING: f64 = 0.25;
     /// A provisional landmark that is farther away than this, in ranges, has had its chance.
     const GONE: f64 = 1.5;
 
     pub(super) fn include(&mut self, place: &Place) {
         self.range = self.range.max(place.range);
         self.bearing = self.bearing.max(place.bearing.abs());
+    }
+
+    /// Area of what the camera has been seen to see \[m^2\]: where something new may be.
+    pub(super) fn area(&self) -> f64 {
+        self.range.max(Self::LEAST_RANGE).powi(2) * self.bearing.max(Self::LEAST_BEARING)
     }
 
     fn should_see(&self, from_camera: &Point2<f64>) -> bool {
@@ -64,13 +74,17 @@ impl EkfSlam {
         self.numbers.insert(id, self.entries.len());
         self.next_number = self.next_number.max(id.wrapping_add(1));
         let confirmed = self.settings.map.confirm_score <= 1.0;
-        self.entries.push(Entry { id, first: position, sightings: 1, score: 1.0, confirmed });
+        let seen_at = self.step();
+        let first = position;
+        self.entries.push(Entry { id, first, sightings: 1, score: 1.0, confirmed, seen_at });
         Ok(())
     }
 
     /// A sighting has spoken for a landmark.
     pub(super) fn praise(&mut self, landmark: usize) {
+        let seen_at = self.step();
         let (map, entry) = (&self.settings.map, &mut self.entries[landmark]);
+        entry.seen_at = seen_at;
         entry.sightings = entry.sightings.saturating_add(1);
         entry.score = (entry.score + 1.0).min(map.most_score);
         entry.confirmed |= entry.score >= map.confirm_score;
@@ -79,34 +93,40 @@ impl EkfSlam {
     /// A sighting has spoken against it.
     pub(super) fn blame(&mut self, landmark: usize, cost: f64) {
         self.entries[landmark].score -= cost;
+        self.doubted = true;
     }
 
     /// Blames landmarks that should have been seen and were not, and removes those that no longer
     /// have anything to speak for them.
-    pub(super) fn tidy(&mut self, seen: &[bool]) {
+    pub(super) fn tidy(&mut self, seen: &[bool]) -> Result<()> {
         let camera = Pose2::from_vector(self.state.robot()) * self.settings.mounting;
         let back = camera.inverse();
-        for index in 0..self.entries.len() {
+        for index in self.state.in_hand() {
             let from_camera = back.transform(&self.state.position(index));
             if seen.get(index).is_some_and(|seen| !seen) && self.reach.should_see(&from_camera) {
                 self.blame(index, self.settings.map.miss_cost);
             }
             if !self.entries[index].confirmed && self.reach.has_left(&from_camera) {
-                self.entries[index].score = 0.0;
+                self.blame(index, f64::INFINITY);
             }
         }
-        self.remove_false();
+        self.remove_false()
     }
 
     /// Removes the landmarks without a score.
-    pub(super) fn remove_false(&mut self) {
+    pub(super) fn remove_false(&mut self) -> Result<()> {
+        if !std::mem::take(&mut self.doubted) {
+            return Ok(());
+        }
         let keep: Vec<bool> = self.entries.iter().map(|entry| entry.score > NO_SCORE).collect();
         if keep.iter().all(|keep| *keep) {
-            return;
+            return Ok(());
         }
-        self.state.retain(&keep);
+        self.state.retain(&keep)?;
+        self.focus = None;
         self.entries.retain(|entry| entry.score > NO_SCORE);
         self.numbers =
             self.entries.iter().enumerate().map(|(index, entry)| (entry.id, index)).collect();
+        Ok(())
     }
 }

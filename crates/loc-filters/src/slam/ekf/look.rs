@@ -6,7 +6,9 @@ use crate::slam::state::Row;
 use crate::{Gate, MeasurementModel, Result};
 use loc_core::angle;
 use loc_sensors::landmark_camera::{Sight, Sighting};
-use nalgebra::{Matrix1, Matrix2, Matrix2x3, Point2, RowVector2, RowVector3, Vector1, Vector2};
+use nalgebra::{
+    Matrix1, Matrix2, Matrix2x3, Point2, RowVector2, RowVector3, Vector1, Vector2, Vector3,
+};
 
 use super::{SlamOutcome, SlamVerdict};
 
@@ -28,21 +30,17 @@ impl EkfSlam {
 
     /// Holds a distance and a direction against a landmark. What is not measured may be any number.
     pub(super) fn look(&self, landmark: usize, range: f64, bearing: f64) -> Look {
+        let seen = Vector2::new(range, bearing);
         let model = self.model(self.state.position(landmark));
-        let expected = model.predict(self.state.robot());
-        let by_robot = match self.settings.jacobians {
-            Jacobians::Current => model.jacobian(self.state.robot()),
+        let robot = self.state.robot();
+        match self.settings.jacobians {
+            Jacobians::Current => Look::new(landmark, &model, robot, seen),
             Jacobians::First => {
-                self.model(self.entries[landmark].first).jacobian(&self.anchor.to_vector())
+                let mut look = Look::new(landmark, &model, robot, seen);
+                let first = self.model(self.entries[landmark].first);
+                look.linearize(first.jacobian(&self.anchor.to_vector()));
+                look
             }
-        };
-        Look {
-            landmark,
-            residual: Vector2::new(range - expected.x, angle::difference(bearing, expected.y)),
-            by_robot,
-            // Landmark and robot shifted alike look the same.
-            by_landmark: -by_robot.fixed_columns::<2>(0),
-            noise: model.noise(&expected),
         }
     }
 
@@ -75,12 +73,12 @@ impl EkfSlam {
         let covariance = self.innovation_covariance(&look);
         let one = |k: usize| {
             let residual = Vector1::new(look.residual[k]);
-            self.state.innovation(residual, Matrix1::new(covariance[(k, k)]), gate)
+            self.state.robot_state().innovation(residual, Matrix1::new(covariance[(k, k)]), gate)
         };
         let verdict = match sight {
-            Sight::RangeBearing { .. } => {
-                SlamVerdict::RangeBearing(self.state.innovation(look.residual, covariance, gate)?)
-            }
+            Sight::RangeBearing { .. } => SlamVerdict::RangeBearing(
+                self.state.robot_state().innovation(look.residual, covariance, gate)?,
+            ),
             Sight::Range { .. } => SlamVerdict::Range(one(0)?),
             Sight::Bearing { .. } => SlamVerdict::Bearing(one(1)?),
         };
@@ -132,6 +130,26 @@ impl Place {
 }
 
 impl Look {
+    fn new(
+        landmark: usize,
+        model: &RangeBearingModel,
+        robot: &Vector3<f64>,
+        seen: Vector2<f64>,
+    ) -> Self {
+        let (expected, by_robot) = model.linearize(robot);
+        let residual = Vector2::new(seen.x - expected.x, angle::difference(seen.y, expected.y));
+        let noise = model.noise(&expected);
+        let mut look = Look { landmark, residual, by_robot, by_landmark: Matrix2::zeros(), noise };
+        look.linearize(by_robot);
+        look
+    }
+
+    /// Landmark and robot shifted alike look the same.
+    fn linearize(&mut self, by_robot: Matrix2x3<f64>) {
+        self.by_robot = by_robot;
+        self.by_landmark = -by_robot.fixed_columns::<2>(0);
+    }
+
     fn row(&self, k: usize) -> Row<3> {
         let (by_robot, by_landmark): (RowVector3<f64>, RowVector2<f64>) =
             (self.by_robot.row(k).into(), self.by_landmark.row(k).into());
@@ -139,6 +157,7 @@ impl Look {
             landmark: self.landmark,
             by_robot: by_robot.transpose(),
             by_landmark: [by_landmark.x, by_landmark.y],
+            other: None,
             residual: self.residual[k],
             variance: self.noise[(k, k)],
         }

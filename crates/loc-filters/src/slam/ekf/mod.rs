@@ -2,7 +2,9 @@
 
 mod correct;
 mod entries;
+mod focus;
 mod look;
+mod merge;
 mod outcome;
 mod pairs;
 mod settings;
@@ -10,10 +12,11 @@ mod settings;
 pub use outcome::{MapLandmark, SlamOutcome, SlamVerdict};
 pub use settings::{Identities, Jacobians, MapSettings, SlamSettings};
 
-use super::state::LargeState;
+use super::state::{LargeState, MapState};
 use crate::association::Associator;
-use crate::{Error, Gate, Result};
+use crate::{Gate, Result};
 use entries::{Entry, Reach};
+use focus::Focus;
 use loc_core::gaussian::check_covariance;
 use loc_core::{Gaussian, Pose2, Twist2};
 use nalgebra::DMatrix;
@@ -26,11 +29,13 @@ use std::collections::BTreeMap;
 /// of one moment correct the state together, so that the covariance is read and written once.
 #[derive(Debug, Clone)]
 pub struct EkfSlam {
-    state: LargeState<3>,
+    state: MapState<3>,
     settings: SlamSettings,
     gate: Gate,
     new_landmark_gate: f64,
     associator: Associator,
+    /// The one that finds landmarks which are in the map twice.
+    merger: Associator,
     /// What is known of each landmark beside its position, in the order of the state.
     entries: Vec<Entry>,
     /// Index of each number.
@@ -39,6 +44,9 @@ pub struct EkfSlam {
     /// The pose before the corrections of this moment: the first estimate of it.
     anchor: Pose2,
     reach: Reach,
+    /// Whether a landmark has lost some of its score.
+    doubted: bool,
+    focus: Option<Focus>,
 }
 
 impl EkfSlam {
@@ -52,16 +60,19 @@ impl EkfSlam {
         let mut state = LargeState::new(start.mean, start.covariance)?;
         state.robot_mut().z = loc_core::angle::wrap(start.mean.z);
         Ok(EkfSlam {
-            state,
+            state: MapState::new(state),
             settings,
-            gate: Gate::probability(settings.association.gate_probability)?,
+            gate: Gate::probability(settings.gate_probability)?,
             new_landmark_gate: settings.new_landmark_gate()?,
             associator: Associator::new(settings.association)?,
+            merger: Associator::new(settings.merging())?,
             entries: Vec::new(),
             numbers: BTreeMap::new(),
             next_number: 0,
             anchor: start.pose(),
             reach: Reach::default(),
+            doubted: false,
+            focus: None,
         })
     }
 
@@ -72,15 +83,15 @@ impl EkfSlam {
 
     /// Motions and corrections so far.
     pub fn step(&self) -> u64 {
-        self.state.step()
+        self.state.robot_state().step()
     }
 
     /// Drives on with velocity `twist` for `dt` \[s\]: `S' = F S F^T + F_u S_u F_u^T`, which
     /// touches the robot's rows only.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative time,
-    /// [`Error::LostPositivity`] where the covariance grows beyond all numbers.
+    /// [`crate::Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative time,
+    /// [`crate::Error::LostPositivity`] where the covariance grows beyond all numbers.
     pub fn predict(&mut self, twist: Twist2, dt: f64) -> Result<()> {
         crate::innovation::finite("velocity", &twist.to_vector())?;
         loc_core::error::non_negative("time step [s]", dt)?;
@@ -102,13 +113,11 @@ impl EkfSlam {
     /// What the filter believes about the robot's pose.
     ///
     /// # Errors
-    /// [`Error::LostPositivity`] for a covariance that is none, with the step.
+    /// [`crate::Error::LostPositivity`] for a covariance that is none, with the step.
     pub fn pose(&self) -> Result<Gaussian<3>> {
         let (mean, covariance) = (*self.state.robot(), *self.state.robot_covariance());
-        check_covariance("covariance of the robot", &covariance).map_err(|_| {
-            let found = format!("{:?}", covariance.as_slice());
-            Error::LostPositivity { what: "covariance of the robot", step: self.step(), found }
-        })?;
+        check_covariance("covariance of the robot", &covariance)
+            .map_err(|error| self.state.robot_state().blamed(error))?;
         Ok(Gaussian { mean, covariance })
     }
 
@@ -123,25 +132,28 @@ impl EkfSlam {
     }
 
     /// The landmarks in the order of the state.
-    pub fn landmarks(&self) -> impl Iterator<Item = MapLandmark> + '_ {
-        (0..self.entries.len()).map(|index| self.describe(index))
+    ///
+    /// # Errors
+    /// [`crate::Error::LostPositivity`] where the covariance of one is none.
+    pub fn landmarks(&self) -> Result<Vec<MapLandmark>> {
+        (0..self.entries.len()).map(|index| self.describe(index)).collect()
     }
 
     /// The landmark with a number.
-    pub fn landmark(&self, id: u32) -> Option<MapLandmark> {
-        self.numbers.get(&id).map(|&index| self.describe(index))
+    ///
+    /// # Errors
+    /// [`crate::Error::LostPositivity`] where its covariance is none.
+    pub fn landmark(&self, id: u32) -> Result<Option<MapLandmark>> {
+        self.numbers.get(&id).map(|&index| self.describe(index)).transpose()
     }
 
-    fn describe(&self, index: usize) -> MapLandmark {
-        let entry = &self.entries[index];
-        let (mean, covariance) =
-            (self.state.position(index).coords, self.state.block(index, index));
-        MapLandmark {
-            id: entry.id,
-            position: Gaussian { mean, covariance },
-            sightings: entry.sightings,
-            confirmed: entry.confirmed,
-        }
+    fn describe(&self, index: usize) -> Result<MapLandmark> {
+        let Entry { id, sightings, confirmed, .. } = self.entries[index];
+        let (position, covariance) = self.state.landmark(index);
+        check_covariance("covariance of a landmark", &covariance)
+            .map_err(|error| self.state.robot_state().blamed(error))?;
+        let position = Gaussian { mean: position.coords, covariance };
+        Ok(MapLandmark { id, position, sightings, confirmed })
     }
 
     /// The whole covariance, (3 + 2 n) x (3 + 2 n): x, y, theta of the robot, then x, y of one
@@ -149,7 +161,7 @@ impl EkfSlam {
     /// of its size in operations.
     ///
     /// # Errors
-    /// [`Error::LostPositivity`] for one that is not positive semi-definite, with the step.
+    /// [`crate::Error::LostPositivity`] for one that is not positive semi-definite, with the step.
     pub fn covariance(&self) -> Result<DMatrix<f64>> {
         self.state.checked_covariance()
     }

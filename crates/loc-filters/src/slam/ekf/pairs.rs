@@ -4,23 +4,46 @@ use super::EkfSlam;
 use super::look::{Look, Place};
 use crate::association::{PairInnovation, Pairing};
 use nalgebra::{Matrix2, Vector2};
+use std::f64::consts::TAU;
 
 /// The looks of all pairs that are not out of the question.
 pub(super) struct Pairs<'a> {
     slam: &'a EkfSlam,
+    /// Density of new landmarks in distance and direction, where each sighting was.
+    elsewhere: Vec<f64>,
     /// For each sighting its looks, in order of their landmarks.
     looks: Vec<Vec<Look>>,
 }
 
 impl<'a> Pairs<'a> {
     pub(super) fn new(slam: &'a EkfSlam, places: &[Place]) -> Self {
+        let in_hand = slam.state.in_hand();
         let near = |place: &Place| {
             let bound = Bound::new(slam, place);
-            let landmarks = 0..slam.entries.len();
-            let near = landmarks.filter(|&landmark| bound.allows(slam, place, landmark));
-            near.map(|landmark| slam.look(landmark, place.range, place.bearing)).collect()
+            let near = in_hand.iter().filter(|&&landmark| bound.allows(slam, place, landmark));
+            near.map(|&landmark| slam.look(landmark, place.range, place.bearing)).collect()
         };
-        Pairs { slam, looks: places.iter().map(near).collect() }
+        // The camera sees all places of its view alike; in polar coordinates far ones are denser.
+        let elsewhere = |place: &Place| place.range / slam.reach.area();
+        Pairs {
+            slam,
+            elsewhere: places.iter().map(elsewhere).collect(),
+            looks: places.iter().map(near).collect(),
+        }
+    }
+
+    /// Whether the sighting is near a landmark that it would be recognised by, were it of that.
+    /// Where the robot is far off, a sighting can be near many, and tell nothing of any.
+    pub(super) fn is_telling(&self, sighting: usize) -> bool {
+        let lead = self.slam.settings.association.least_ratio.ln();
+        self.looks[sighting].iter().any(|look| {
+            let s = self.slam.innovation_covariance(look);
+            let Some(inverse) = s.try_inverse() else { return false };
+            let nis = look.residual.dot(&(inverse * look.residual));
+            // A right sighting has an NIS of 2.
+            let usual = -1.0 - 0.5 * s.determinant().ln() - TAU.ln();
+            nis <= self.slam.new_landmark_gate && usual - self.elsewhere[sighting].ln() >= lead
+        })
     }
 
     fn look(&self, (sighting, landmark): (usize, usize)) -> Option<&Look> {
@@ -45,6 +68,10 @@ impl Pairing<2> for Pairs<'_> {
         Some(PairInnovation { residual: look.residual, covariance })
     }
 
+    fn elsewhere(&self, sighting: usize) -> f64 {
+        self.elsewhere[sighting]
+    }
+
     fn cross_covariance(&self, a: (usize, usize), b: (usize, usize)) -> Matrix2<f64> {
         match (self.look(a), self.look(b)) {
             (Some(a), Some(b)) => self.slam.covariance_between(a, b),
@@ -55,7 +82,7 @@ impl Pairing<2> for Pairs<'_> {
 
 /// A cheap bound on how far from a landmark it may be seen, so that most pairs need no more than
 /// the distance between two points.
-struct Bound {
+pub(super) struct Bound {
     /// Largest variance that robot and sensor can give the place \[m^2\].
     variance: f64,
     /// The NIS that still matters.
@@ -66,7 +93,7 @@ impl Bound {
     /// Distance and direction are curved coordinates; the bound must hold in them too.
     const SLACK: f64 = 2.0;
 
-    fn new(slam: &EkfSlam, place: &Place) -> Self {
+    pub(super) fn new(slam: &EkfSlam, place: &Place) -> Self {
         let p = slam.state.robot_covariance();
         let robot: Vector2<f64> = slam.state.robot().xy();
         let squared = (place.position.coords - robot).norm_squared();
@@ -74,10 +101,15 @@ impl Bound {
         Bound { variance, gate: slam.new_landmark_gate }
     }
 
-    /// The variance of a difference is at most twice the sum of both.
+    /// How far off a landmark of some variance \[m^2\] may be \[m\]. The variance of a difference
+    /// is at most twice the sum of both.
+    pub(super) fn distance(&self, variance: f64) -> f64 {
+        (Self::SLACK * self.gate * 2.0 * (self.variance + variance)).sqrt()
+    }
+
     fn allows(&self, slam: &EkfSlam, place: &Place, landmark: usize) -> bool {
         let own = slam.state.block(landmark, landmark);
         let squared = (place.position - slam.state.position(landmark)).norm_squared();
-        squared <= Self::SLACK * self.gate * 2.0 * (self.variance + own.m11 + own.m22)
+        squared <= self.distance(own.trace()).powi(2)
     }
 }

@@ -1,6 +1,6 @@
 //! The settings of EKF-SLAM.
 
-use crate::association::AssociationSettings;
+use crate::association::{AssociationSettings, Associator};
 use crate::{Gate, Result};
 use loc_core::Pose2;
 use loc_core::error::{finite, in_range, non_negative, positive};
@@ -50,6 +50,9 @@ pub struct MapSettings {
     /// What is taken from the score when a landmark in the middle of the view is not seen. Without
     /// numbers on landmarks only.
     pub miss_cost: f64,
+    /// Two landmarks become one where that is so many times likelier than that they are two.
+    /// Without numbers on landmarks only.
+    pub merge_ratio: f64,
     /// A sighting that fits no landmark is a new one where right sightings of the known ones lie
     /// that far out with a probability of less than 1 minus this.
     pub new_landmark_probability: f64,
@@ -62,13 +65,14 @@ impl Default for MapSettings {
             confirm_score: 3.0,
             most_score: 10.0,
             miss_cost: 0.2,
+            merge_ratio: 100.0,
             new_landmark_probability: 0.9999,
         }
     }
 }
 
 /// All that EKF-SLAM can be told, with defaults that serve a small indoor robot.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct SlamSettings {
@@ -82,13 +86,35 @@ pub struct SlamSettings {
     pub mounting: Pose2,
     /// Whether landmarks can be told apart by their numbers.
     pub identities: Identities,
-    /// How they are told apart where they cannot; its gate also turns wrong sightings of numbered
-    /// landmarks away.
+    /// Share of right sightings of a landmark that the gate lets pass, 1 for no gate.
+    pub gate_probability: f64,
+    /// How landmarks without numbers are told apart.
     pub association: AssociationSettings,
     /// Where the models are linearised.
     pub jacobians: Jacobians,
     /// What becomes of landmarks in the map.
     pub map: MapSettings,
+    /// Where given, the filter works on the landmarks within this radius \[m\] alone, and carries
+    /// to the others what they are owed when the robot leaves (Guivant and Nebot 2001): the same
+    /// result, at a cost that follows the landmarks nearby. Best at twice the camera's range.
+    pub submap_radius: Option<f64>,
+}
+
+impl Default for SlamSettings {
+    fn default() -> Self {
+        SlamSettings {
+            integration: Integration::ExactArc,
+            motion_noise: VelocityNoise::default(),
+            sight_noise: LandmarkNoise::default(),
+            mounting: Pose2::IDENTITY,
+            identities: Identities::Known,
+            gate_probability: 0.999,
+            association: AssociationSettings::default(),
+            jacobians: Jacobians::Current,
+            map: MapSettings::default(),
+            submap_radius: None,
+        }
+    }
 }
 
 impl SlamSettings {
@@ -114,9 +140,18 @@ impl SlamSettings {
         )?;
         positive("score that confirms a landmark", map.confirm_score)?;
         non_negative("cost of not seeing a landmark", map.miss_cost)?;
+        self.submap_radius.map_or(Ok(0.0), |radius| positive("radius of a submap [m]", radius))?;
         self.new_landmark_gate()?;
-        Gate::probability(self.association.gate_probability)?;
+        Gate::probability(self.gate_probability)?;
+        Associator::new(self.association)?;
+        Associator::new(self.merging())?;
         Ok(())
+    }
+
+    /// How landmarks are found that are in the map twice.
+    pub(super) fn merging(&self) -> AssociationSettings {
+        let rule = crate::association::Rule::JointCompatibility;
+        AssociationSettings { rule, least_ratio: self.map.merge_ratio, ..self.association }
     }
 
     /// The NIS beyond which a sighting is one of something new.

@@ -3,9 +3,9 @@
 use super::{LargeState, kernel};
 use crate::{Error, Result};
 use loc_core::gaussian::check_covariance;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, SVector, Vector2};
 
-/// One measured number, and how it depends on the robot and on one landmark.
+/// One measured number, and how it depends on the robot and on one landmark or two.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::slam) struct Row<const R: usize> {
     pub(in crate::slam) landmark: usize,
@@ -13,6 +13,8 @@ pub(in crate::slam) struct Row<const R: usize> {
     pub(in crate::slam) by_robot: SVector<f64, R>,
     /// Derivatives over x and y of the landmark.
     pub(in crate::slam) by_landmark: [f64; 2],
+    /// The same of a second landmark.
+    pub(in crate::slam) other: Option<(usize, [f64; 2])>,
     /// What was measured minus what was expected.
     pub(in crate::slam) residual: f64,
     /// Variance of the measurement, independent of all others.
@@ -52,9 +54,7 @@ impl<const R: usize> LargeState<R> {
         check_covariance("covariance of the robot", &robot_covariance)
             .map_err(|_| self.lost("covariance of the robot", step, robot_covariance.as_slice()))?;
         let diagonal = self.triangle.diagonal_minus(map_gain, map_gain);
-        if let Some(block) = diagonal.iter().find(|block| !is_positive(block)) {
-            return Err(self.lost("covariance (xx, xy, yy) of a landmark", step, block));
-        }
+        self.check_diagonal(&diagonal, step)?;
         self.step = step;
         self.robot = robot;
         self.robot_covariance = robot_covariance;
@@ -86,9 +86,17 @@ impl<const R: usize> LargeState<R> {
             }
             kernel::add_scaled(column, row.by_landmark[0], &x);
             kernel::add_scaled(column, row.by_landmark[1], &y);
-            let cross = self.cross(row.landmark);
-            let by_landmark = nalgebra::Vector2::from(row.by_landmark);
-            robot_gain.push(self.robot_covariance * row.by_robot + cross * by_landmark);
+            let by_landmark = Vector2::from(row.by_landmark);
+            let mut gain =
+                self.robot_covariance * row.by_robot + self.cross(row.landmark) * by_landmark;
+            if let Some((other, by_other)) = row.other {
+                self.triangle.columns(other, &mut x, &mut y);
+                gathered = None;
+                kernel::add_scaled(column, by_other[0], &x);
+                kernel::add_scaled(column, by_other[1], &y);
+                gain += self.cross(other) * Vector2::from(by_other);
+            }
+            robot_gain.push(gain);
         }
         let factor = factorize(rows, &robot_gain, &map_gain, length, self.step)?;
         let whitened = rows.iter().map(|row| row.residual).collect();
@@ -128,10 +136,12 @@ fn factorize<const R: usize>(
     for (i, row) in rows.iter().enumerate() {
         let mut new = Vec::with_capacity(i + 1);
         for j in 0..=i {
-            let of_landmark = &map[j * length + 2 * row.landmark..];
-            let mut s = row.by_robot.dot(&robot[j])
-                + row.by_landmark[0] * of_landmark[0]
-                + row.by_landmark[1] * of_landmark[1];
+            let of = |landmark: usize, by: [f64; 2]| {
+                let of_landmark = &map[j * length + 2 * landmark..];
+                by[0] * of_landmark[0] + by[1] * of_landmark[1]
+            };
+            let mut s = row.by_robot.dot(&robot[j]) + of(row.landmark, row.by_landmark);
+            s += row.other.map_or(0.0, |(other, by_other)| of(other, by_other));
             let before = factor.get(j).unwrap_or(&new);
             s -= before.iter().zip(&new).take(j).map(|(a, b)| a * b).sum::<f64>();
             if i != j {
@@ -148,9 +158,4 @@ fn factorize<const R: usize>(
         factor.push(new);
     }
     Ok(factor)
-}
-
-/// Whether a block (xx, xy, yy) is positive semi-definite, up to rounding.
-fn is_positive(&[xx, xy, yy]: &[f64; 3]) -> bool {
-    xx >= 0.0 && yy >= 0.0 && (xy * xy) <= xx * yy * (1.0 + 1e-9) && xy.is_finite()
 }

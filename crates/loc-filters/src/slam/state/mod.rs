@@ -5,10 +5,13 @@
 
 mod correct;
 pub(super) mod kernel;
+mod map_state;
+mod submap;
 mod triangle;
 
 pub(super) use correct::Row;
-pub(super) use triangle::Triangle;
+pub(super) use map_state::MapState;
+use triangle::Triangle;
 
 use crate::{Error, Gate, Innovation, Result};
 use loc_core::gaussian::check_covariance;
@@ -186,8 +189,8 @@ impl<const R: usize> LargeState<R> {
     }
 
     /// An error of an innovation's covariance as one of the state.
-    pub(super) fn blamed(&self, error: Error) -> Error {
-        match error {
+    pub(super) fn blamed(&self, error: impl Into<Error>) -> Error {
+        match error.into() {
             Error::Core(loc_core::Error::NotACovariance { what, found, .. }) => {
                 Error::LostPositivity { what, step: self.step, found }
             }
@@ -195,7 +198,20 @@ impl<const R: usize> LargeState<R> {
         }
     }
 
+    /// Refuses blocks (xx, xy, yy) of the diagonal that are not positive.
+    fn check_diagonal(&self, diagonal: &[[f64; 3]], step: u64) -> Result<()> {
+        match diagonal.iter().find(|block| !is_positive(block)) {
+            None => Ok(()),
+            Some(block) => Err(self.lost("covariance (xx, xy, yy) of a landmark", step, block)),
+        }
+    }
+
     fn lost(&self, what: &'static str, step: u64, found: &[f64]) -> Error {
         Error::LostPositivity { what, step, found: format!("{found:?}") }
     }
+}
+
+/// Whether a block (xx, xy, yy) is positive semi-definite, up to rounding.
+fn is_positive(&[xx, xy, yy]: &[f64; 3]) -> bool {
+    xx >= 0.0 && yy >= 0.0 && (xy * xy) <= xx * yy * (1.0 + 1e-9) && xy.is_finite()
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// New landmarks are appended at the end of both stores, so nothing moves when the map grows. The
 /// large store is copied when it is written to while another copy of the filter still reads it.
 #[derive(Debug, Clone, Default)]
-pub(in crate::slam) struct Triangle {
+pub(super) struct Triangle {
     /// Of each block on the diagonal the elements xx, xy, yy.
     diagonal: Vec<[f64; 3]>,
     /// Below it, for block row j two rows of length 2 j, one after the other.
@@ -23,12 +23,12 @@ fn start(j: usize) -> usize {
 
 impl Triangle {
     /// Number of landmarks.
-    pub(in crate::slam) fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.diagonal.len()
     }
 
     /// The block of landmarks `i` and `j`.
-    pub(in crate::slam) fn block(&self, i: usize, j: usize) -> Matrix2<f64> {
+    pub(super) fn block(&self, i: usize, j: usize) -> Matrix2<f64> {
         if i == j {
             let [xx, xy, yy] = self.diagonal[i];
             return Matrix2::new(xx, xy, xy, yy);
@@ -41,8 +41,22 @@ impl Triangle {
         Matrix2::new(x[0], x[1], y[0], y[1])
     }
 
+    /// Sets the block of landmarks `i` and `j`, and with it that of `j` and `i`.
+    pub(super) fn set_block(&mut self, i: usize, j: usize, block: &Matrix2<f64>) {
+        if i == j {
+            self.diagonal[i] = [block.m11, block.m21, block.m22];
+        } else if i < j {
+            self.set_block(j, i, &block.transpose());
+        } else {
+            let below = Arc::make_mut(&mut self.below);
+            let first = start(i) + 2 * j;
+            below[first..first + 2].copy_from_slice(&[block.m11, block.m12]);
+            below[first + 2 * i..first + 2 * i + 2].copy_from_slice(&[block.m21, block.m22]);
+        }
+    }
+
     /// The two columns of landmark `j`, into vectors of two elements per landmark.
-    pub(in crate::slam) fn columns(&self, j: usize, x: &mut [f64], y: &mut [f64]) {
+    pub(super) fn columns(&self, j: usize, x: &mut [f64], y: &mut [f64]) {
         let row = &self.below[start(j)..start(j) + 4 * j];
         x[..2 * j].copy_from_slice(&row[..2 * j]);
         y[..2 * j].copy_from_slice(&row[2 * j..]);
@@ -58,7 +72,7 @@ impl Triangle {
     }
 
     /// Appends a landmark: its rows with all landmarks before it, and its own block.
-    pub(in crate::slam) fn push(&mut self, x: &[f64], y: &[f64], own: &Matrix2<f64>) {
+    pub(super) fn push(&mut self, x: &[f64], y: &[f64], own: &Matrix2<f64>) {
         let below = Arc::make_mut(&mut self.below);
         below.extend_from_slice(x);
         below.extend_from_slice(y);
@@ -66,7 +80,7 @@ impl Triangle {
     }
 
     /// Keeps the landmarks for which `keep` holds.
-    pub(in crate::slam) fn retain(&mut self, keep: &[bool]) {
+    pub(super) fn retain(&mut self, keep: &[bool]) {
         let kept: Vec<usize> = (0..self.len()).filter(|&i| keep[i]).collect();
         let mut below = Vec::with_capacity(start(kept.len()));
         for (count, &i) in kept.iter().enumerate() {
@@ -80,7 +94,7 @@ impl Triangle {
     }
 
     /// The diagonal blocks after subtracting `sum_k left_k right_k^T`, symmetric by assumption.
-    pub(in crate::slam) fn diagonal_minus(&self, left: &[f64], right: &[f64]) -> Vec<[f64; 3]> {
+    pub(super) fn diagonal_minus(&self, left: &[f64], right: &[f64]) -> Vec<[f64; 3]> {
         let length = 2 * self.len();
         let mut diagonal = self.diagonal.clone();
         if length == 0 {
@@ -97,12 +111,7 @@ impl Triangle {
     }
 
     /// Subtracts `sum_k left_k right_k^T` below the diagonal, whose new blocks are given.
-    pub(in crate::slam) fn subtract(
-        &mut self,
-        left: &[f64],
-        right: &[f64],
-        diagonal: Vec<[f64; 3]>,
-    ) {
+    pub(super) fn subtract(&mut self, left: &[f64], right: &[f64], diagonal: Vec<[f64; 3]>) {
         let length = 2 * self.len();
         self.diagonal = diagonal;
         let below = Arc::make_mut(&mut self.below).as_mut_slice();

@@ -3,6 +3,7 @@
 mod bad_input;
 mod circles;
 mod locate;
+mod sliding;
 mod statistics;
 
 use loc_filters::lateration::{LaterationSettings, Range, Solution, locate};

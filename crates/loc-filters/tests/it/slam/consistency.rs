@@ -28,7 +28,8 @@ fn information_of_the_whole(jacobians: Jacobians) -> (DMatrix<f64>, DMatrix<f64>
         slam.predict(twist, 0.2).unwrap();
         anchor = slam.pose().unwrap().pose();
         slam.correct(&LandmarkCamera::default().observe(&world, truth, &mut rng)).unwrap();
-        let born = slam.landmarks().skip(first.len()).map(|l| l.position.mean.into());
+        let born =
+            slam.landmarks().unwrap().into_iter().skip(first.len()).map(|l| l.position.mean.into());
         let born: Vec<[f64; 2]> = born.collect();
         first.extend(born);
     }

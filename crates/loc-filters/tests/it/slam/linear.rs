@@ -3,18 +3,23 @@
 use loc_core::Gaussian;
 use loc_core::random::stream;
 use loc_filters::slam::{LinearSlam, LinearSlamSettings, RelativeSighting};
-use nalgebra::{DMatrix, DVector, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use rand_distr::{Distribution, StandardNormal};
 
 const LANDMARKS: usize = 4;
 const STEPS: usize = 12;
+
+fn see(landmark: u32, x: f64, y: f64) -> RelativeSighting {
+    let covariance = Matrix2::identity() * 0.0025;
+    RelativeSighting { landmark, offset: Vector2::new(x, y), covariance }
+}
 
 /// The filter's belief about the last position and the map is that of the normal equations over
 /// all positions and all measurements: they are solved by nothing that the filter uses.
 #[test]
 fn equals_least_squares_over_the_whole_drive() {
     let settings = LinearSlamSettings { gate_probability: 1.0, ..Default::default() };
-    let start = Gaussian::new(Vector2::new(0.5, 0.1), nalgebra::Matrix2::identity() * 0.01);
+    let start = Gaussian::new(Vector2::new(0.5, 0.1), Matrix2::identity() * 0.01);
     let mut slam = LinearSlam::new(start.unwrap(), settings).unwrap();
     // Unknowns along one axis: positions 0 to STEPS, then the landmarks. The axes are independent.
     let size = STEPS + 1 + LANDMARKS;
@@ -35,9 +40,9 @@ fn equals_least_squares_over_the_whole_drive() {
         slam.predict(velocity, 0.5).unwrap();
         let seen: Vec<_> = (0..LANDMARKS)
             .filter(|k| !(step + k).is_multiple_of(3))
-            .map(|k| RelativeSighting {
-                landmark: 10 + k as u32,
-                offset: Vector2::new(k as f64 + 0.1 * draw() - 0.25 * step as f64, 2.0 + draw()),
+            .map(|k| {
+                let (x, y) = (k as f64 + 0.1 * draw() - 0.25 * step as f64, 2.0 + draw());
+                see(10 + k as u32, x, y)
             })
             .collect();
         for axis in 0..2 {
@@ -47,7 +52,7 @@ fn equals_least_squares_over_the_whole_drive() {
             for sighting in &seen {
                 let landmark = STEPS + 1 + sighting.landmark as usize - 10;
                 let z = sighting.offset[axis];
-                add(axis, &[(landmark, 1.0), (step, -1.0)], z, settings.sight_sigma.powi(2));
+                add(axis, &[(landmark, 1.0), (step, -1.0)], z, 0.0025);
             }
         }
         slam.correct(&seen).unwrap();
@@ -68,9 +73,9 @@ fn equals_least_squares_over_the_whole_drive() {
 
 #[test]
 fn a_new_landmark_is_as_uncertain_as_robot_and_sensor_together() {
-    let start = Gaussian::new(Vector2::zeros(), nalgebra::Matrix2::identity() * 0.04).unwrap();
+    let start = Gaussian::new(Vector2::zeros(), Matrix2::identity() * 0.04).unwrap();
     let mut slam = LinearSlam::new(start, LinearSlamSettings::default()).unwrap();
-    let seen = [1.0, 1.05].map(|x| RelativeSighting { landmark: 5, offset: Vector2::new(x, 0.0) });
+    let seen = [1.0, 1.05].map(|x| see(5, x, 0.0));
     // The second of the two is held against the landmark that the first has put there.
     let innovations = slam.correct(&seen).unwrap();
     assert!(innovations[0].is_none());
@@ -81,7 +86,7 @@ fn a_new_landmark_is_as_uncertain_as_robot_and_sensor_together() {
     assert!((landmark.covariance.m11 - 0.04125).abs() < 1e-12);
     assert!((slam.robot().covariance.m11 - 0.04).abs() < 1e-12);
     // An outlier changes nothing.
-    let far = RelativeSighting { landmark: 5, offset: Vector2::new(3.0, 0.0) };
+    let far = see(5, 3.0, 0.0);
     assert!(!slam.correct(&[far]).unwrap()[0].unwrap().accepted);
     assert_eq!(slam.landmark(5).unwrap(), landmark);
     assert!(slam.covariance().unwrap()[(0, 2)] > 0.0);
@@ -92,7 +97,7 @@ fn bad_input_is_refused_and_changes_nothing() {
     let start = Gaussian::certain(Vector2::zeros());
     let settings = LinearSlamSettings { most_landmarks: 2, ..Default::default() };
     let mut slam = LinearSlam::new(start, settings).unwrap();
-    let see = |landmark, x| RelativeSighting { landmark, offset: Vector2::new(x, 0.0) };
+    let see = |landmark, x| see(landmark, x, 0.0);
     assert!(slam.correct(&[see(1, 1.0), see(2, f64::NAN)]).is_err());
     assert!(slam.predict(Vector2::new(f64::INFINITY, 0.0), 0.1).is_err());
     assert!(slam.predict(Vector2::zeros(), -1.0).is_err());
@@ -100,6 +105,28 @@ fn bad_input_is_refused_and_changes_nothing() {
     assert!(slam.correct(&[]).unwrap().is_empty());
     slam.correct(&[see(1, 1.0), see(2, 2.0), see(3, 3.0)]).unwrap();
     assert_eq!(slam.landmarks().count(), 2);
-    let wrong = LinearSlamSettings { sight_sigma: 0.0, ..settings };
+    let singular = RelativeSighting { covariance: Matrix2::zeros(), ..see(1, 1.0) };
+    assert!(slam.correct(&[singular]).is_err());
+    let wrong = LinearSlamSettings { k_d: -1.0, ..settings };
     assert!(LinearSlam::new(start, wrong).is_err());
+}
+
+/// A sighting that is good along one diagonal and bad along the other: the gain of the textbook.
+#[test]
+fn the_axes_of_a_sighting_may_be_turned() {
+    let start = Gaussian::new(Vector2::zeros(), Matrix2::identity() * 0.04).unwrap();
+    let mut slam = LinearSlam::new(start, LinearSlamSettings::default()).unwrap();
+    let covariance = Matrix2::new(0.05, 0.03, 0.03, 0.04);
+    slam.correct(&[see(1, 1.0, 2.0)]).unwrap();
+    slam.predict(Vector2::new(1.0, 0.0), 1.0).unwrap();
+    let sighting = RelativeSighting { covariance, ..see(1, 0.1, 2.1) };
+    let (robot, p) = (slam.robot(), slam.covariance().unwrap());
+    slam.correct(&[sighting]).unwrap();
+    let h = DMatrix::from_row_slice(2, 4, &[-1., 0., 1., 0., 0., -1., 0., 1.]);
+    let r = DMatrix::from_row_slice(2, 2, &[0.05, 0.03, 0.03, 0.04]);
+    let k = &p * h.transpose() * (&h * &p * h.transpose() + r).try_inverse().unwrap();
+    let moved = &k * DVector::from_vec(vec![0.1, 0.1]);
+    assert!((slam.robot().mean - robot.mean - moved.fixed_rows::<2>(0)).amax() < 1e-12);
+    let after = (DMatrix::identity(4, 4) - k * h) * &p;
+    assert!((slam.covariance().unwrap() - after).amax() < 1e-12);
 }

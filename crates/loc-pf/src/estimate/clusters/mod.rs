@@ -30,19 +30,21 @@
 //! ```
 
 mod blocks;
+mod cells;
 mod modes;
 mod raster;
 mod settings;
+mod summary;
 
 pub use settings::{ClusterSettings, PoseSource};
 
-use super::moments::{Center, FirstSums, SecondSums, weighted_moments};
-use super::weights::relative_weights;
-use crate::{Particles, Poses, Result};
-use blocks::{Blocks, NOWHERE};
+use super::moments::weighted_moments;
+use crate::{Particles, Result, Workers, log_weights};
+use cells::Cells;
 use loc_core::Gaussian;
-use modes::{Cell, Modes, Valley};
+use modes::{Modes, Valley};
 use raster::Raster;
+use summary::Summary;
 
 /// One hypothesis about the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,30 +58,16 @@ pub struct Cluster {
     pub particles: usize,
 }
 
-/// Finds clusters, and keeps its memory from one cloud to the next: 12 bytes a particle, and up to
+/// Finds clusters, and keeps its memory from one cloud to the next: 20 bytes a particle, and up to
 /// 60 for each occupied cell.
 #[derive(Debug)]
 pub struct Clusterer {
     settings: ClusterSettings,
-    raster: Raster,
-    blocks: Blocks,
-    modes: Modes,
+    workers: Workers,
     weights: Vec<f64>,
-    /// For each particle its place, later its cell.
-    places: Vec<u32>,
-    cells: Vec<Cell>,
-    /// For each cell the cluster that it belongs to.
-    cluster_of: Vec<u32>,
-    sums: Vec<Sums>,
-}
-
-/// What is added up for a cluster.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    particles: usize,
-    first: FirstSums,
-    center: Center,
-    second: SecondSums,
+    cells: Cells,
+    modes: Modes,
+    summary: Summary,
 }
 
 impl Clusterer {
@@ -91,15 +79,19 @@ impl Clusterer {
         settings.validate()?;
         Ok(Clusterer {
             settings,
-            raster: Raster::new(settings.cell, settings.heading_cell),
-            blocks: Blocks::default(),
-            modes: Modes::default(),
+            workers: Workers::one(),
             weights: Vec::new(),
-            places: Vec::new(),
-            cells: Vec::new(),
-            cluster_of: Vec::new(),
-            sums: Vec::new(),
+            cells: Cells::new(Raster::new(settings.cell, settings.heading_cell)),
+            modes: Modes::default(),
+            summary: Summary::default(),
         })
+    }
+
+    /// The same with other threads; the results stay the same.
+    #[must_use]
+    pub fn with_workers(mut self, workers: Workers) -> Self {
+        self.workers = workers;
+        self
     }
 
     /// The settings.
@@ -114,101 +106,16 @@ impl Clusterer {
     /// add up to 1. Particles that have no weight or are not finite belong to no cluster; a cloud
     /// without any others has none.
     pub fn clusters(&mut self, particles: &Particles) -> Vec<Cluster> {
-        relative_weights(particles, &mut self.weights);
-        self.place(particles.poses());
-        let particles_per_weight = self.fill_cells();
-        let valley = Valley { depth: self.settings.valley, particles_per_weight };
-        self.modes.find(&self.blocks, self.raster.headings, &valley, &mut self.cells);
-        self.number_clusters();
-        let mut clusters = self.summarize(particles.poses());
-        clusters.sort_by(|a, b| {
-            b.share.total_cmp(&a.share).then_with(|| b.particles.cmp(&a.particles))
-        });
-        clusters
-    }
-
-    /// Finds the place of every particle among the blocks.
-    fn place(&mut self, poses: Poses<'_>) {
-        self.blocks.clear();
-        self.places.clear();
-        let Clusterer { raster, blocks, weights, places, .. } = self;
-        let coordinates = poses.x.iter().zip(poses.y).zip(poses.theta).zip(weights.iter());
-        places.extend(coordinates.map(|(((&x, &y), &theta), &weight)| {
-            let address = raster.address(x, y, theta).filter(|_| weight > 0.0);
-            address.map_or(NOWHERE, |address| blocks.occupy(address))
-        }));
-    }
-
-    /// Adds up the weights of every cell and turns places into cells. Returns how many particles
-    /// of equal weight a unit of weight is worth, by the effective sample size.
-    fn fill_cells(&mut self) -> f64 {
-        let count = self.blocks.number_cells();
-        self.cells.clear();
-        self.cells.extend((0..count as u32).map(|parent| Cell { weight: 0.0, count: 0, parent }));
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for (place, &weight) in self.places.iter_mut().zip(&self.weights) {
-            if *place != NOWHERE {
-                *place = self.blocks.cell(*place);
-                let cell = &mut self.cells[*place as usize];
-                cell.weight += weight;
-                cell.count += 1;
-                sum += weight;
-                squares += weight * weight;
-            }
+        let Clusterer { settings, workers, weights, cells, modes, summary } = self;
+        log_weights::relative(workers, particles.log_weights(), weights);
+        let particles_per_weight = cells.find(workers, particles.poses(), weights);
+        let valley = Valley { depth: settings.valley, particles_per_weight };
+        modes.find(&cells.blocks, cells.raster.headings, &valley, &mut cells.all);
+        summary.number_clusters(&cells.all);
+        if let Some(count) = summary.only() {
+            let belief = weighted_moments(workers, particles.poses(), weights);
+            return vec![Cluster { share: 1.0, belief, particles: count }];
         }
-        if squares > 0.0 { sum / squares } else { 0.0 }
-    }
-
-    /// Numbers the clusters in the order of their peaks and counts their particles.
-    fn number_clusters(&mut self) {
-        let Clusterer { cells, cluster_of, sums, .. } = self;
-        cluster_of.clear();
-        cluster_of.resize(cells.len(), 0);
-        sums.clear();
-        for (index, cell) in cells.iter().enumerate() {
-            if cell.parent as usize == index {
-                cluster_of[index] = sums.len() as u32;
-                sums.push(Sums::default());
-            }
-        }
-        for (index, cell) in cells.iter().enumerate() {
-            cluster_of[index] = cluster_of[cell.parent as usize];
-            sums[cluster_of[index] as usize].particles += cell.count as usize;
-        }
-    }
-
-    fn summarize(&mut self, poses: Poses<'_>) -> Vec<Cluster> {
-        if let [Sums { particles, .. }] = self.sums[..] {
-            let belief = weighted_moments(poses, &self.weights);
-            return vec![Cluster { share: 1.0, belief, particles }];
-        }
-        self.for_each(poses, |sums, x, y, theta, weight| sums.first.add(x, y, theta, weight));
-        let mut total = 0.0;
-        for sums in &mut self.sums {
-            sums.center = sums.first.center();
-            total += sums.center.weight;
-        }
-        self.for_each(poses, |sums, x, y, theta, weight| {
-            sums.second.add(&sums.center, x, y, theta, weight);
-        });
-        let summary = |sums: &Sums| Cluster {
-            share: sums.center.weight / total,
-            belief: sums.second.gaussian(&sums.center),
-            particles: sums.particles,
-        };
-        self.sums.iter().map(summary).collect()
-    }
-
-    /// Hands out every particle that is in a cluster, with the sums of that cluster.
-    #[inline(always)]
-    fn for_each(&mut self, poses: Poses<'_>, mut work: impl FnMut(&mut Sums, f64, f64, f64, f64)) {
-        let coordinates = poses.x.iter().zip(poses.y).zip(poses.theta);
-        let particles = coordinates.zip(&self.weights).zip(&self.places);
-        for ((((&x, &y), &theta), &weight), &cell) in particles {
-            if cell != NOWHERE {
-                let cluster = self.cluster_of[cell as usize];
-                work(&mut self.sums[cluster as usize], x, y, theta, weight);
-            }
-        }
+        summary.clusters(particles.poses(), weights, cells.of_particles())
     }
 }

@@ -56,8 +56,7 @@ impl Modes {
         valley: &Valley,
         cells: &mut [Cell],
     ) {
-        self.list_pairs(blocks, headings);
-        climb(&self.pairs, cells);
+        self.climb(blocks, headings, cells);
         flatten(cells);
         self.list_saddles(cells);
         for saddle in &self.saddles {
@@ -70,8 +69,9 @@ impl Modes {
         flatten(cells);
     }
 
-    /// All pairs of occupied cells that touch, if only at a corner; headings go round.
-    fn list_pairs(&mut self, blocks: &Blocks, headings: u32) {
+    /// Lists all pairs of occupied cells that touch, if only at a corner; headings go round. Hangs
+    /// every cell on the highest of its neighbours, if that is higher than itself.
+    fn climb(&mut self, blocks: &Blocks, headings: u32, cells: &mut [Cell]) {
         self.pairs.clear();
         let all = u64::MAX >> (u64::BITS - headings);
         let turned = |bits: u64| (bits << 1 | bits >> (headings - 1)) & all;
@@ -79,10 +79,12 @@ impl Modes {
         blocks.for_neighbours(|square, others| {
             for heading in bits(square.headings) {
                 let cell = square.cell(heading);
+                let first = self.pairs.len();
                 self.join(cell, square, turned(1 << heading));
                 for other in others {
                     self.join(cell, other, about(1 << heading));
                 }
+                hang(cell, &self.pairs[first..], cells);
             }
         });
     }
@@ -109,15 +111,20 @@ impl Modes {
     }
 }
 
-/// Hangs every cell on the highest of its neighbours, if that is higher than itself.
-fn climb(pairs: &[[u32; 2]], cells: &mut [Cell]) {
-    for &[a, b] in pairs {
-        for [from, to] in [[a, b], [b, a]] {
-            if above(cells, to, cells[from as usize].parent) {
-                cells[from as usize].parent = to;
-            }
+/// Hangs a cell on the highest of some neighbours, and each of these on it, where that is higher
+/// than what they hang on.
+#[inline(always)]
+fn hang(cell: u32, pairs: &[[u32; 2]], cells: &mut [Cell]) {
+    let mut highest = cells[cell as usize].parent;
+    for &[_, other] in pairs {
+        if above(cells, other, highest) {
+            highest = other;
+        }
+        if above(cells, cell, cells[other as usize].parent) {
+            cells[other as usize].parent = cell;
         }
     }
+    cells[cell as usize].parent = highest;
 }
 
 /// Whether one cell is higher than another; of equal ones the first is.

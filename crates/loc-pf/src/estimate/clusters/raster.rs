@@ -1,7 +1,7 @@
 //! Which cell over (x, y, theta) a pose falls into.
 
 use super::super::heading::{ROUNDER, wrapped};
-use super::super::weights::is_pose;
+use super::super::lanes::is_pose;
 use std::f64::consts::TAU;
 
 /// Most headings that are told apart: a square of the floor has one bit for each.
@@ -35,9 +35,15 @@ impl Raster {
         }
     }
 
-    /// The cell of a pose; `None` for what is no pose.
+    /// Whether three numbers can be a pose.
     #[inline(always)]
-    pub(super) fn address(&self, x: f64, y: f64, theta: f64) -> Option<Address> {
+    pub(super) fn is_on(x: f64, y: f64, theta: f64) -> bool {
+        is_pose(x, y, theta)
+    }
+
+    /// The cell of a pose; some cell for what is no pose.
+    #[inline(always)]
+    pub(super) fn address(&self, x: f64, y: f64, theta: f64) -> Address {
         // Squares more than 2^31 away share numbers with nearer ones, a world away from them.
         let nearest = |metres: f64| {
             let rounded = (metres * self.squares_per_metre + ROUNDER).to_bits() as u32;
@@ -48,6 +54,6 @@ impl Raster {
         let below = truncated - i32::from(f64::from(truncated) > turned);
         let from_zero = if below < 0 { below + all } else { below };
         let heading = if from_zero >= all { from_zero - all } else { from_zero } as u32;
-        is_pose(x, y, theta).then(|| Address { square: [nearest(y), nearest(x)], heading })
+        Address { square: [nearest(y), nearest(x)], heading }
     }
 }

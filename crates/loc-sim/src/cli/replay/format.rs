@@ -1,5 +1,6 @@
 //! The formats of recordings, and how they are told apart.
 
+use crate::source::ranging::{labyrinth, plaza};
 use crate::source::{laser_log, mrclam, ros};
 use crate::{Error, Result};
 use std::io::{BufRead, Read};
@@ -11,6 +12,10 @@ use std::path::Path;
 pub enum Format {
     /// A folder of the UTIAS MRCLAM data set.
     Mrclam,
+    /// A folder of ultra-wideband ranges in the format of libRSF.
+    UwbLabyrinth,
+    /// A folder of the Plaza recordings: radio ranges and odometry.
+    Plaza,
     /// A CARMEN log.
     Carmen,
     /// A log of CMU's Wean Hall.
@@ -33,16 +38,22 @@ const CARMEN: [&str; 9] = [
 ];
 
 /// The format of a recording, by its files or its first lines.
-pub(super) fn guess(log: &Path) -> Result<Format> {
+pub(in crate::cli) fn guess(log: &Path) -> Result<Format> {
     std::fs::metadata(log).map_err(loc_core::Error::io(log))?;
     if mrclam::is_mrclam(log) {
         return Ok(Format::Mrclam);
+    }
+    if labyrinth::is_labyrinth(log) {
+        return Ok(Format::UwbLabyrinth);
+    }
+    if plaza::is_plaza(log) {
+        return Ok(Format::Plaza);
     }
     if ros::is_bag(log)? {
         return Ok(Format::Ros);
     }
     if log.is_dir() {
-        return Err(unknown(log, "a folder without it"));
+        return Err(unknown(log, "a folder without any of these"));
     }
     // Comments and an odd message or two may stand before the first word that tells.
     for line in laser_log::open(log)?.take(1 << 20).split(b'\n').take(1000) {
@@ -61,7 +72,8 @@ fn unknown(log: &Path, found: &str) -> Error {
     Error::Recording {
         path: log.to_owned(),
         expected: "a recording: a bag of ROS, an MCAP file, a folder with Barcodes.dat (mrclam), \
-                   a log of ODOM and FLASER lines (carmen), or of O and L lines (wean)"
+                   a file *_Input.txt (uwb-labyrinth) or plaza1_ranges.csv (plaza), a log of ODOM \
+                   and FLASER lines (carmen), or of O and L lines (wean)"
             .into(),
         found: found.into(),
     }

@@ -11,6 +11,7 @@ use crate::source::wean::WeanLog;
 use crate::source::{LaserRecording, RosRecording, Source};
 use crate::{Result, config};
 use loc_core::Pose2;
+use loc_maps::LineMap;
 use loc_maps::grid::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -23,6 +24,7 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
         options.start = Start::Anywhere;
     }
     options.map = args.map.as_ref().map(io::load).transpose()?.map(Arc::new);
+    options.lines = args.lines.as_ref().map(LineMap::read_csv).transpose()?.map(Arc::new);
     options.scans = args.scans;
     options.kidnap = args.kidnap;
     options.reference = args.reference.as_deref().map(Reference::read).transpose()?;

@@ -3,7 +3,10 @@
 mod format;
 mod laser;
 mod mrclam;
+mod ranging;
 mod ros;
+
+pub(super) use format::guess;
 
 pub use format::Format;
 pub use ros::RosArgs;
@@ -12,8 +15,9 @@ use super::Global;
 use super::progress::Progress;
 use super::show::{Finished, OutputArgs, show};
 use crate::localizer::{Method, MethodSettings};
+use crate::output::mcap::McapRecorder;
 use crate::record::Filming;
-use crate::runner;
+use crate::runner::{self, Both};
 use crate::scenario::recording;
 use crate::source::Source;
 use crate::source::laser_log::Scans;
@@ -23,7 +27,8 @@ use std::path::PathBuf;
 /// Localize the robot of a recording.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ReplayArgs {
-    /// The recording: a bag of ROS 1 or 2, an MCAP file, a folder of MRCLAM files, a CARMEN log,
+    /// The recording: a bag of ROS 1 or 2, an MCAP file, a folder of MRCLAM files or of ranges
+    /// (UWB labyrinth, Plaza), a CARMEN log,
     /// or one of Wean Hall.
     #[arg(value_name = "LOG", required_unless_present = "print_config")]
     pub log: Option<PathBuf>,
@@ -36,6 +41,10 @@ pub struct ReplayArgs {
     /// The map to localize a laser in.
     #[arg(long, value_name = "MAP")]
     pub map: Option<PathBuf>,
+    /// The walls as lines (x1 y1 x2 y2), for methods that match them; found in the map where left
+    /// out.
+    #[arg(long, value_name = "FILE")]
+    pub lines: Option<PathBuf>,
     /// Which scans to use, counted from 0.
     #[arg(long, value_enum, default_value_t = Scans::All)]
     pub scans: Scans,
@@ -95,6 +104,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let format = args.format.map_or_else(|| format::guess(log), Ok)?;
     let mut replay = match format {
         Format::Mrclam => mrclam::prepare(args, log)?,
+        Format::UwbLabyrinth | Format::Plaza => ranging::prepare(args, log, format)?,
         Format::Carmen | Format::Wean | Format::Ros => laser::prepare(args, log, format)?,
     };
     replay.settings.seed = args.seed.unwrap_or(replay.settings.seed);
@@ -111,7 +121,10 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let source = replay.source.as_mut();
     let mut tell = |share| progress.tell(share);
     let mut filming = Filming::new(&mut tell);
-    let mut run = runner::run_watched(source, methods, &replay.settings, &mut filming)?;
+    let mut recorder = args.output.recorder()?;
+    let mut watcher = Both(&mut filming, &mut recorder);
+    let mut run = runner::run_watched(source, methods, &replay.settings, &mut watcher)?;
+    recorder.map_or(Ok(()), McapRecorder::finish)?;
     run.film = Some(filming.film);
     progress.finish();
     let name = run.setup.name.replace(' ', "-");
@@ -129,6 +142,7 @@ fn print_config(args: &ReplayArgs) -> anyhow::Result<()> {
     let guessed = args.log.as_deref().map(format::guess).transpose()?;
     let text = match args.format.or(guessed).unwrap_or(Format::Mrclam) {
         Format::Mrclam => recording::MRCLAM,
+        Format::UwbLabyrinth | Format::Plaza => recording::RANGING,
         Format::Carmen | Format::Wean | Format::Ros => recording::LASER,
     };
     super::print(text.trim_end())

@@ -10,6 +10,7 @@ use std::path::Path;
 pub(super) fn prepare(args: &ReplayArgs, log: &Path) -> anyhow::Result<Replay> {
     let given = [
         ("--map", args.map.is_some()),
+        ("--lines", args.lines.is_some()),
         ("--scans", args.scans != Scans::All),
         ("--initial-pose", args.initial_pose.is_some()),
         ("--kidnap", args.kidnap.is_some()),

@@ -5,6 +5,7 @@ use super::laser::parse_pose;
 use crate::source::ros::RosOptions;
 use crate::{Result, config};
 use anyhow::bail;
+use loc_core::error::finite;
 use loc_core::motion::VelocityNoise;
 
 /// What is not found in a bag by itself.
@@ -23,6 +24,10 @@ pub struct RosArgs {
     /// Where the laser sits on the robot, in metres and radians, in place of what a bag says.
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true)]
     pub laser_mounting: Option<String>,
+    /// How much later than its stamp the robot was where its odometry says, in seconds; negative
+    /// for an odometry that comes late.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub odom_delay: Option<f64>,
     /// Noise to add to the odometry of a bag, as standard deviations: of the distance \[m\] after
     /// 1 m, of the heading \[deg\] after a full turn, and of the heading \[deg\] after 1 m.
     #[arg(long, value_name = "DISTANCE,TURN,DRIFT")]
@@ -39,6 +44,7 @@ impl RosArgs {
             odom_topic: self.odom_topic.clone(),
             reference_topic: self.reference_topic.clone(),
             mounting: self.laser_mounting.as_ref().map(pose).transpose()?,
+            odometry_delay: finite("--odom-delay [s]", self.odom_delay.unwrap_or(0.0))?,
             odometry_noise: self.odom_noise.as_ref().map(noise).transpose()?,
         })
     }
@@ -46,13 +52,14 @@ impl RosArgs {
     /// Refuses what only a bag can have.
     pub(super) fn refuse_unless(&self, format: Format) -> anyhow::Result<()> {
         let options = [
-            ("--scan-topic", &self.scan_topic),
-            ("--odom-topic", &self.odom_topic),
-            ("--reference-topic", &self.reference_topic),
-            ("--laser-mounting", &self.laser_mounting),
-            ("--odom-noise", &self.odom_noise),
+            ("--scan-topic", self.scan_topic.is_some()),
+            ("--odom-topic", self.odom_topic.is_some()),
+            ("--reference-topic", self.reference_topic.is_some()),
+            ("--laser-mounting", self.laser_mounting.is_some()),
+            ("--odom-delay", self.odom_delay.is_some()),
+            ("--odom-noise", self.odom_noise.is_some()),
         ];
-        match options.iter().find(|(_, given)| given.is_some()) {
+        match options.iter().find(|(_, given)| *given) {
             Some((option, _)) if format != Format::Ros => {
                 bail!("{option}: expected a bag of ROS, got another recording")
             }

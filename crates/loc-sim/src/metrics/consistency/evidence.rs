@@ -1,6 +1,6 @@
 //! What the tests of consistency need of a run: far less than the run.
 
-use super::{LAGS, pose_nees_with_freedom};
+use super::LAGS;
 use crate::Result;
 use crate::localizer::Whitened;
 use crate::record::{MethodRecord, Run};
@@ -27,7 +27,7 @@ impl RunEvidence {
     pub fn of(run: &Run, record: &MethodRecord, confidence: f64, steps: usize) -> Result<Self> {
         let every = run.truth.len().div_ceil(steps.max(1)).max(1);
         let pairs = record.estimates.iter().zip(&run.truth).step_by(every);
-        let nees = pairs.map(|(e, t)| pose_nees_with_freedom(e, t.value.pose)).collect();
+        let nees = pairs.map(|(e, t)| run.nees(e, t.value.pose)).collect();
         let mut nis = ChiSquareTally::new(confidence)?;
         let mut sequences: [Vec<f64>; Whitened::MOST] = Default::default();
         for judgement in record.judgements.iter().map(|j| j.value).filter(|j| j.accepted) {

@@ -1,7 +1,6 @@
 //! Errors over time, alone and beside what the covariances promise.
 
 use super::FigureFile;
-use crate::metrics::pose_nees;
 use crate::output::svg::{Chart, Figure, Role};
 use crate::record::{MethodRecord, Run};
 use loc_core::{angle, stats};
@@ -33,17 +32,21 @@ pub(super) fn errors(run: &Run) -> FigureFile {
         let sigma =
             |i: usize| Some((estimate(i).covariance?.fixed_view::<2, 2>(0, 0).trace()).sqrt());
         spread = spread.line(role, name, over_time(&sigma));
-        let squared = |i: usize| pose_nees(&estimate(i), truth(i)).filter(|nees| *nees > 1e-6);
+        let squared =
+            |i: usize| Some(run.nees(&estimate(i), truth(i))?.1).filter(|nees| *nees > 1e-6);
         nees = nees.line(role, name, over_time(&squared));
     }
     if !particles {
         heading = heading.reference(0.0, "");
     }
-    if let Ok(limit) = stats::chi_square_quantile(3, 0.95) {
+    if let Ok(limit) = stats::chi_square_quantile(if run.truth_has_heading { 3 } else { 2 }, 0.95) {
         nees = nees.reference(limit, "95 % of honest ones are below");
     }
     let mut figure = Figure::new("Errors over time").subtitle(run.setup.name.clone());
-    figure = figure.x_label("time [s]").panel(position).panel(heading);
+    figure = figure.x_label("time [s]").panel(position);
+    if run.truth_has_heading {
+        figure = figure.panel(heading);
+    }
     if particles {
         figure = figure.panel(spread);
     }
@@ -72,6 +75,9 @@ pub(super) fn consistency(run: &Run) -> Option<FigureFile> {
     for (coordinate, label) in
         ["x error [m]", "y error [m]", "heading error [deg]"].iter().enumerate()
     {
+        if coordinate == 2 && !run.truth_has_heading {
+            continue;
+        }
         let unit = if coordinate == 2 { 1_f64.to_degrees() } else { 1.0 };
         let role = Role::Method(k);
         let (band, error) =

@@ -33,6 +33,9 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
         let fits = |ellipse: &Ellipse| alone || ellipse.semi_major < largest;
         scene = scene.ellipses(Role::Method(k).width(0.9), &label, ellipses.filter(fits));
     }
+    for (k, record) in run.methods.iter().enumerate() {
+        scene = drawn_map(scene, k, record);
+    }
     if let Some(seen) = run.methods.iter().rev().find_map(measured) {
         scene = scene.stars(Role::Measurement, "landmark as measured", seen);
     }
@@ -59,6 +62,17 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
         caption: "True and estimated paths with 2-sigma ellipses, landmarks and measurements",
         svg: scene.render(),
     }
+}
+
+/// The map that a method has drawn: its landmarks with their uncertainty.
+fn drawn_map(scene: Scene, k: usize, record: &MethodRecord) -> Scene {
+    let Some(map) = &record.map else { return scene };
+    let confirmed = || map.landmarks.iter().filter(|landmark| landmark.confirmed);
+    let label = format!("landmark of {}, 2 sigma", record.method);
+    let places = confirmed().map(|landmark| landmark.position.mean).map(|p| (p.x, p.y));
+    scene
+        .ellipses(Role::Method(k).width(1.2), &label, confirmed().map(|l| l.position.ellipse(2.0)))
+        .dots(Role::Method(k).width(3.0), "", places)
 }
 
 /// Whether the run is drawn as the lectures draw Monte Carlo localization (M10): the true path

@@ -2,6 +2,7 @@
 
 mod clouds;
 mod errors;
+mod lines;
 mod map;
 mod rail;
 mod resampling;
@@ -20,7 +21,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 13] = [
+pub const NAMES: [&str; 15] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -31,9 +32,11 @@ pub const NAMES: [&str; 13] = [
     "probability.svg",
     "stages.svg",
     "diversity.svg",
+    "lateration.svg",
     "resampling.svg",
     "mailbox.svg",
     "beliefs.svg",
+    "lines.svg",
 ];
 
 /// The figures that suit a run.
@@ -42,6 +45,7 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
         return rail::all(run, title);
     }
     let mut figures = vec![map::map(run, title)];
+    figures.extend(lines::lines(run));
     figures.extend(clouds::clouds(run));
     figures.extend(resampling::resampling(run));
     if run.truth.is_empty() {

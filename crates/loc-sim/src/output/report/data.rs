@@ -3,7 +3,6 @@
 use super::blob::Blob;
 use crate::event::Truth;
 use crate::localizer::Estimate;
-use crate::metrics::pose_nees;
 use crate::output::backdrop;
 use crate::record::{Film, Frame, Inside, MethodRecord, Run};
 use loc_core::{Pose2, Stamped};
@@ -143,7 +142,7 @@ impl MethodData {
         let estimates = moments.map(&record.estimates, |estimate| *estimate);
         let truth = moments.map(&moments.run.truth, |truth| *truth);
         let inside = || moments.film.frames.iter().filter_map(move |frame| frame.methods.get(k));
-        let judged = |figure: fn(&Estimate, Pose2) -> Option<f64>| {
+        let judged = |figure: &dyn Fn(&Estimate, Pose2) -> Option<f64>| {
             let figure = |(e, t): (&Estimate, &Stamped<Truth>)| {
                 figure(e, t.value.pose).map_or(f32::NAN, |value| value as f32)
             };
@@ -157,11 +156,12 @@ impl MethodData {
             covariance: Blob::f32(
                 &estimates.iter().flat_map(position_covariance).collect::<Vec<_>>(),
             ),
-            error: judged(|estimate, truth| Some(estimate.pose.distance(truth))),
-            heading: judged(|e, truth| {
-                Some(loc_core::angle::wrap(e.pose.theta - truth.theta).to_degrees())
+            error: judged(&|estimate, truth| Some(estimate.pose.distance(truth))),
+            heading: judged(&|e, truth| {
+                let off = loc_core::angle::wrap(e.pose.theta - truth.theta).to_degrees();
+                Some(off).filter(|_| moments.run.truth_has_heading)
             }),
-            nees: judged(pose_nees),
+            nees: judged(&|e, truth| Some(moments.run.nees(e, truth)?.1)),
             particle_count: counts.iter().any(|count| *count > 0).then(|| Blob::u32(&counts)),
             particles: Particles::of(&inside().map(|inside| &inside.particles), bounds),
             weighed: Particles::of(&inside().map(|inside| &inside.weighed), bounds),

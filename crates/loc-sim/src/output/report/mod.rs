@@ -54,7 +54,7 @@ impl Report<'_> {
 }
 
 /// A page with a text, figures and the command that makes it again.
-pub(super) fn plain(text: &str, title: &str, command: &str, figures: &[FigureFile]) -> String {
+pub(crate) fn plain(text: &str, title: &str, command: &str, figures: &[FigureFile]) -> String {
     let body =
         format!("<pre>{}</pre>\n{}{}", escape(text), drawings(figures), again(command, None));
     page(title, &body)

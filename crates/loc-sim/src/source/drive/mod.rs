@@ -66,6 +66,7 @@ impl SimulatedDrive {
             rail: None,
             landmarks: Arc::new(landmarks),
             map: floor.map(Arc::new),
+            lines: None,
             has_laser: false,
             kidnapped_at: None,
         };

@@ -43,7 +43,7 @@ use super::{Setup, Source};
 use crate::event::{Control, Event, Measurement, Payload, Truth};
 use crate::{Error, Result};
 use loc_core::{Gaussian, Pose2};
-use loc_maps::OccupancyGrid;
+use loc_maps::{LineMap, OccupancyGrid};
 use loc_sensors::laser::LaserScan;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -97,6 +97,8 @@ pub struct RecordedScan {
 pub struct ReplayOptions {
     /// The map to localize in.
     pub map: Option<Arc<OccupancyGrid>>,
+    /// The walls as lines; those found in the map where left out.
+    pub lines: Option<Arc<LineMap>>,
     /// Which scans are used.
     pub scans: Scans,
     /// Where the robot starts.
@@ -149,6 +151,7 @@ impl LaserRecording {
             rail: None,
             landmarks: Arc::default(),
             map: options.map.clone(),
+            lines: options.lines.clone(),
             has_laser: true,
             kidnapped_at,
         };

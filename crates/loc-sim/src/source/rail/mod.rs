@@ -44,6 +44,7 @@ impl SimulatedRail {
                 rail: Some(belief),
                 landmarks: Default::default(),
                 map: None,
+                lines: None,
                 has_laser: false,
                 kidnapped_at: None,
             },

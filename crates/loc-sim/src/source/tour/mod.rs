@@ -31,6 +31,7 @@ use loc_core::gaussian::pose_belief;
 use loc_core::motion::Integration;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
+use loc_maps::LineMap;
 use loc_sensors::laser::LaserScanner;
 use loc_sensors::wheel::WheelOdometry;
 use nalgebra::Point2;
@@ -215,6 +216,8 @@ fn setup(
         // Without a camera, landmarks are of no use to anybody.
         landmarks: if config.camera.is_some() { world.landmarks.clone() } else { Arc::default() },
         map: Some(world.grid.clone()),
+        // Its walls are cells; the laser sees their outline.
+        lines: Some(Arc::new(LineMap::outline(&world.grid)?)),
         has_laser: true,
         kidnapped_at: config.kidnap.map(|kidnap| kidnap.at_s),
     })

@@ -149,7 +149,7 @@ fn what_does_not_fit_is_refused_in_one_line() {
         (vec!["cut.log", "--map", "hall.yaml"], "cut.log:128: "),
         (
             vec!["other.log"],
-            "other.log: expected a recording: a bag of ROS, an MCAP file, a folder with Barcodes.dat (mrclam), a log of ODOM",
+            "other.log: expected a recording: a bag of ROS, an MCAP file, a folder with Barcodes.dat (mrclam), a file *_Input.txt",
         ),
         (vec!["none.log"], "none.log: "),
         (

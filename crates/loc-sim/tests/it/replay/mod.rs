@@ -17,7 +17,7 @@ use std::fmt::Write;
 use std::io::Cursor;
 
 /// A hall of 20 m x 6 m with pillars at irregular places; its corner lies at (-1, -2).
-fn hall() -> OccupancyGrid {
+pub(crate) fn hall() -> OccupancyGrid {
     let frame = GridFrame::new(200, 60, 0.1, Pose2::new(-1.0, -2.0, 0.0)).unwrap();
     let mut grid = OccupancyGrid::filled(frame, 0);
     for cell in frame.cells() {

@@ -2,6 +2,7 @@
 
 mod damage;
 mod foreign;
+mod mcap_output;
 mod real;
 mod recording;
 mod serialization;

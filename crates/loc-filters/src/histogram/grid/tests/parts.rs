@@ -72,7 +72,7 @@ fn no_pose_is_likelier_than_the_bound_of_its_cell() {
             }
         }
         println!("cell {cell}: tightest bound {slack:.3}");
-        assert!(slack < 4.0, "bounds say nothing: {slack}");
+        assert!(slack < 5.0, "bounds say nothing: {slack}");
     }
 }
 

@@ -26,6 +26,7 @@ pub(super) struct Join {
     bag: Box<dyn MessageReader>,
     pub(super) roles: Roles,
     mounting: Option<Pose2>,
+    odometry_delay: i64,
     frames: TransformBuffer,
     noise: Option<NoisyOdometry>,
     /// Odometry around what waits, in order of time; `passed` of it are given out.
@@ -59,6 +60,7 @@ impl Join {
             bag,
             roles,
             mounting: options.mounting,
+            odometry_delay: Stamp::from_seconds(options.odometry_delay).0,
             frames: preview.frames,
             noise: options.odometry_noise.map(|(noise, seed)| NoisyOdometry::new(noise, seed)),
             odometry: VecDeque::new(),
@@ -192,6 +194,7 @@ impl Join {
 
     fn take_odometry(&mut self, stamp: Stamp, log_time: Stamp, pose: Option<Pose2>) {
         let stamp = self.stamp(stamp, log_time);
+        let stamp = Stamp(stamp.0.saturating_add(self.odometry_delay));
         let late = self.odometry.back().is_some_and(|(latest, _)| stamp <= *latest);
         match pose {
             Some(pose) if !late && stamp > self.given => {
@@ -212,7 +215,10 @@ impl Join {
     }
 
     fn wait(&mut self, stamp: Stamp, what: Waiting) {
-        let later = self.waiting.iter().rev().take_while(|(known, _)| *known > stamp).count();
+        // Of what belongs to the same time, a scan comes before the pose that judges it.
+        let is_scan = matches!(what, Waiting::Scan(_));
+        let after = |known: Stamp| known > stamp || (is_scan && known == stamp);
+        let later = self.waiting.iter().rev().take_while(|(known, _)| after(*known)).count();
         self.waiting.insert(self.waiting.len() - later, (stamp, what));
     }
 

@@ -94,6 +94,7 @@ impl RosRecording {
             has_laser: true,
             landmarks: Arc::default(),
             map: options.map.clone(),
+            lines: options.lines.clone(),
             kidnapped_at: None,
         };
         Ok(RosRecording {

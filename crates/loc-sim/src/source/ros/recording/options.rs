@@ -15,6 +15,9 @@ pub struct RosOptions {
     pub reference_topic: Option<String>,
     /// Where the laser sits on the robot, in place of what the transforms say.
     pub mounting: Option<Pose2>,
+    /// How much later than its stamp the robot was where its odometry says \[s\]; negative for an
+    /// odometry that comes late.
+    pub odometry_delay: f64,
     /// Noise that is added to the odometry, with the seed of its stream.
     pub odometry_noise: Option<(VelocityNoise, u64)>,
 }

@@ -2,6 +2,8 @@
 //! bit for each heading. A tracked cloud lies in a few blocks; a cloud all over a map fills most
 //! squares of the blocks it needs.
 
+mod neighbours;
+
 use super::raster::{Address, MOST_HEADINGS};
 
 /// Stands for particles that are in no cell.
@@ -46,17 +48,63 @@ struct Block {
     squares: [Square; SQUARES],
 }
 
+/// Most blocks: places have room for 4 million, and a cloud that needs more is on no map.
+const MOST: usize = (NOWHERE / BLOCK) as usize;
+
 /// Open addressing with linear probing: 4 bytes a slot, at most half of them taken.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Blocks {
     /// Index of a block plus 1; 0 is free.
     slots: Vec<u32>,
     blocks: Vec<Block>,
     /// The blocks row by row.
     order: Vec<u32>,
+    /// The block that was asked for last.
+    last: usize,
+    /// Most blocks that there may be.
+    most: usize,
+}
+
+impl Default for Blocks {
+    fn default() -> Self {
+        Blocks::at_most(MOST)
+    }
+}
+
+/// Where a cell is among the blocks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    /// The key of its block.
+    pub(super) block: u64,
+    /// Its square and its heading there.
+    pub(super) within: u32,
+}
+
+impl Place {
+    /// From a place among some blocks to that within its block.
+    #[inline(always)]
+    pub(super) fn within(place: u32) -> u32 {
+        place % BLOCK
+    }
+
+    #[inline(always)]
+    pub(super) fn of(address: Address) -> Place {
+        let [row, column] = address.square;
+        let square = row % SIDE * SIDE + column % SIDE;
+        Place {
+            block: u64::from(row / SIDE) * ROW + u64::from(column / SIDE),
+            within: square * MOST_HEADINGS + address.heading,
+        }
+    }
 }
 
 impl Blocks {
+    /// Room for so many blocks.
+    pub(super) fn at_most(most: usize) -> Self {
+        let (slots, blocks, order) = (Vec::new(), Vec::new(), Vec::new());
+        Blocks { slots, blocks, order, last: 0, most }
+    }
+
     /// Forgets all blocks and keeps the memory.
     pub(super) fn clear(&mut self) {
         for block in self.blocks.drain(..) {
@@ -67,21 +115,52 @@ impl Blocks {
         }
     }
 
-    /// Marks a cell as occupied and returns its place, from which [`cell`](Blocks::cell) tells its
-    /// number later.
+    /// Marks a cell of a block as occupied and returns its place among all blocks, from which
+    /// [`cell`](Blocks::cell) tells its number later; [`NOWHERE`] where there is no room for the
+    /// block.
     #[inline(always)]
-    pub(super) fn occupy(&mut self, address: Address) -> u32 {
-        let [row, column] = address.square;
-        let key = u64::from(row / SIDE) * ROW + u64::from(column / SIDE);
-        let square = row % SIDE * SIDE + column % SIDE;
-        let index = match self.look_up(key) {
-            Ok(index) => index,
-            // Places have room for 4 million blocks; a cloud that needs more is on no map.
-            Err(_) if self.blocks.len() as u32 >= NOWHERE / BLOCK => return NOWHERE,
-            Err(slot) => self.add(key, slot),
+    pub(super) fn occupy(&mut self, key: u64, within: u32) -> u32 {
+        // Particles of a tracked cloud lie in one and the same block, more often than not.
+        let index = match self.blocks.get(self.last) {
+            Some(block) if block.key == key => self.last,
+            _ => match self.find_or_add(key) {
+                Some(index) => index,
+                None => return NOWHERE,
+            },
         };
-        self.blocks[index].squares[square as usize].headings |= 1 << address.heading;
-        index as u32 * BLOCK + square * MOST_HEADINGS + address.heading
+        self.last = index;
+        let square = &mut self.blocks[index].squares[(within / MOST_HEADINGS) as usize % SQUARES];
+        square.headings |= 1 << (within % MOST_HEADINGS);
+        index as u32 * BLOCK + within
+    }
+
+    /// Marks as occupied what is so in `others`; fills `indices` with those of their blocks here.
+    /// Returns whether there was room for all.
+    pub(super) fn occupy_as(&mut self, others: &Blocks, indices: &mut Vec<usize>) -> bool {
+        indices.clear();
+        for other in &others.blocks {
+            let Some(index) = self.find_or_add(other.key) else { return false };
+            let squares = self.blocks[index].squares.iter_mut().zip(&other.squares);
+            squares.for_each(|(square, other)| square.headings |= other.headings);
+            indices.push(index);
+        }
+        true
+    }
+
+    /// Takes over the numbers of the cells from `others`, where the blocks have the given indices.
+    pub(super) fn number_as(&mut self, others: &Blocks, indices: &[usize]) {
+        for (block, &index) in self.blocks.iter_mut().zip(indices) {
+            block.squares = others.blocks[index].squares;
+        }
+    }
+
+    #[inline(always)]
+    fn find_or_add(&mut self, key: u64) -> Option<usize> {
+        match self.look_up(key) {
+            Ok(index) => Some(index),
+            Err(_) if self.blocks.len() >= self.most => None,
+            Err(slot) => Some(self.add(key, slot)),
+        }
     }
 
     /// The number of the cell at a place.
@@ -105,40 +184,6 @@ impl Blocks {
             }
         }
         next as usize
-    }
-
-    /// Hands out every occupied square with its neighbours to the right, above left, above, and
-    /// above right, so that each two squares that touch come together once.
-    pub(super) fn for_neighbours(&self, mut work: impl FnMut(&Square, [&Square; 4])) {
-        const WIDTH: usize = SIDE as usize + 2;
-        let free = [Square::default(); SQUARES];
-        for &index in &self.order {
-            let block = &self.blocks[index as usize];
-            let at = |up: u64, right: u64| {
-                // One more to the right than is meant.
-                let key = block.key.wrapping_add(up * ROW + right).wrapping_sub(1);
-                self.look_up(key).map_or(&free, |index| &self.blocks[index].squares)
-            };
-            let [left, right] = [at(0, 0), at(0, 2)];
-            let above = [at(1, 0), at(1, 1), at(1, 2)];
-            // The block with a border of one square, but for the side below.
-            let row = |row: usize| {
-                let [left, own, right] =
-                    if row < SIDE as usize { [left, &block.squares, right] } else { above };
-                let first = row % SIDE as usize * SIDE as usize;
-                let [a, b, c, d] = std::array::from_fn(|k| &own[first + k]);
-                [&left[first + SIDE as usize - 1], a, b, c, d, &right[first]]
-            };
-            let mut lower: [&Square; WIDTH] = row(0);
-            for upper in (1..=SIDE as usize).map(row) {
-                for k in 1..WIDTH - 1 {
-                    if lower[k].headings != 0 {
-                        work(lower[k], [lower[k + 1], upper[k - 1], upper[k], upper[k + 1]]);
-                    }
-                }
-                lower = upper;
-            }
-        }
     }
 
     /// The index of the block with a key, or else the slot where it belongs.

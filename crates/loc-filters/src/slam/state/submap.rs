@@ -1,0 +1,282 @@
+//! A part of the map, corrected on behalf of the whole (Guivant and Nebot 2001).
+//!
+//! While a robot works among a few landmarks, its motions and sightings act on those alone. What
+//! they do to the rest of the map is a linear map of what the rest had to do with the part when
+//! the robot came there. So the part has a state of its own, and three small matrices remember
+//! what the rest is owed:
+//!
+//! * `phi`: the covariance of the part with the rest is `phi` times what it was,
+//! * `psi`: the covariance of the rest has lost `U^T psi U`, and
+//! * `theta`: its mean has moved by `U^T theta`,
+//!
+//! with U the covariance of the part with the rest as it was. A step costs as much as the part is
+//! large; the debt is paid when the robot leaves.
+
+use super::correct::{Correction, Row};
+use super::{LargeState, Triangle, kernel};
+use crate::Result;
+use nalgebra::{DMatrix, Matrix2, Point2, SMatrix, SVector, Vector2};
+
+/// The part with its debts.
+#[derive(Debug, Clone)]
+pub(super) struct Submap<const R: usize> {
+    /// Landmarks of the whole map that belong to the part, in ascending order. Those that were
+    /// born later follow them in the part's state.
+    pub(super) members: Vec<usize>,
+    pub(super) state: LargeState<R>,
+    /// For each number of the part a row of `width`.
+    phi: Vec<f64>,
+    /// `width` rows of `width`.
+    psi: Vec<f64>,
+    theta: Vec<f64>,
+    /// Numbers of the part when it was taken.
+    width: usize,
+}
+
+impl<const R: usize> Submap<R> {
+    pub(super) fn new(whole: &LargeState<R>, members: Vec<usize>) -> Self {
+        let width = R + 2 * members.len();
+        let mut phi = vec![0.0; width * width];
+        phi.iter_mut().step_by(width + 1).for_each(|one| *one = 1.0);
+        Submap {
+            state: whole.part(&members),
+            members,
+            phi,
+            psi: vec![0.0; width * width],
+            theta: vec![0.0; width],
+            width,
+        }
+    }
+
+    pub(super) fn propagate(
+        &mut self,
+        moved: SVector<f64, R>,
+        f: &SMatrix<f64, R, R>,
+        noise: &SMatrix<f64, R, R>,
+    ) -> Result<()> {
+        self.state.propagate(moved, f, noise)?;
+        for column in 0..self.width {
+            let at = |r: usize| r * self.width + column;
+            let before = SVector::<f64, R>::from_fn(|r, _| self.phi[at(r)]);
+            let after = f * before;
+            (0..R).for_each(|r| self.phi[at(r)] = after[r]);
+        }
+        Ok(())
+    }
+
+    pub(super) fn push(
+        &mut self,
+        position: Point2<f64>,
+        by_robot: &SMatrix<f64, 2, R>,
+        noise: &Matrix2<f64>,
+    ) -> Result<()> {
+        self.state.push(position, by_robot, noise)?;
+        for row in by_robot.row_iter() {
+            let mut new = vec![0.0; self.width];
+            for (factor, robot) in row.iter().zip(self.phi.chunks_exact(self.width)) {
+                kernel::add_scaled(&mut new, *factor, robot);
+            }
+            self.phi.extend(new);
+        }
+        Ok(())
+    }
+
+    /// Corrects the part by rows of its own landmarks.
+    pub(super) fn correct(&mut self, rows: &[Row<R>]) -> Result<()> {
+        let correction = self.state.correct(rows)?;
+        let owed = self.owed(rows, &correction);
+        let Correction { whitened, robot_gain, map_gain, .. } = &correction;
+        let length = map_gain.len() / rows.len().max(1);
+        for (k, v) in owed.chunks_exact(self.width).enumerate() {
+            let map = &map_gain[k * length..(k + 1) * length];
+            let gains = robot_gain[k].iter().chain(map);
+            for (row, gain) in self.phi.chunks_exact_mut(self.width).zip(gains) {
+                kernel::add_scaled(row, -gain, v);
+            }
+            for (row, factor) in self.psi.chunks_exact_mut(self.width).zip(v) {
+                kernel::add_scaled(row, *factor, v);
+            }
+            kernel::add_scaled(&mut self.theta, whitened[k], v);
+        }
+        Ok(())
+    }
+
+    /// `V = L^-1 H phi`, one row of `width` after the other.
+    fn owed(&self, rows: &[Row<R>], correction: &Correction<R>) -> Vec<f64> {
+        let mut owed: Vec<f64> = Vec::with_capacity(rows.len() * self.width);
+        for (row, factor) in rows.iter().zip(&correction.factor) {
+            let mut v = vec![0.0; self.width];
+            let landmark = R + 2 * row.landmark;
+            let robot = row.by_robot.iter().copied().enumerate();
+            let other = row.other.into_iter();
+            let other = other.flat_map(|(other, by_other)| (R + 2 * other..).zip(by_other));
+            let terms = robot.chain((landmark..).zip(row.by_landmark)).chain(other);
+            for (number, derivative) in terms {
+                let phi = &self.phi[number * self.width..(number + 1) * self.width];
+                kernel::add_scaled(&mut v, derivative, phi);
+            }
+            let (last, before) = (factor.last().copied().unwrap_or(1.0), owed.iter().as_slice());
+            for (known, factor) in before.chunks_exact(self.width).zip(factor) {
+                kernel::add_scaled(&mut v, -factor, known);
+            }
+            v.iter_mut().for_each(|value| *value /= last);
+            owed.extend(v);
+        }
+        owed
+    }
+
+    /// What a landmark of the rest had to do with the part: its two columns of U.
+    fn columns(&self, whole: &LargeState<R>, landmark: usize) -> DMatrix<f64> {
+        let mut columns = DMatrix::zeros(self.width, 2);
+        columns.fixed_view_mut::<R, 2>(0, 0).copy_from(&whole.cross(landmark));
+        for (k, &member) in self.members.iter().enumerate() {
+            let block = whole.block(member, landmark);
+            columns.fixed_view_mut::<2, 2>(R + 2 * k, 0).copy_from(&block);
+        }
+        columns
+    }
+
+    /// Mean and covariance of a landmark of the rest, as they are now.
+    pub(super) fn outside(
+        &self,
+        whole: &LargeState<R>,
+        landmark: usize,
+    ) -> (Point2<f64>, Matrix2<f64>) {
+        let columns = self.columns(whole, landmark);
+        let moved = columns.tr_mul(&DMatrix::from_column_slice(self.width, 1, &self.theta));
+        let psi = DMatrix::from_column_slice(self.width, self.width, &self.psi);
+        let lost = columns.tr_mul(&(psi * &columns));
+        let lost = Matrix2::new(lost[(0, 0)], lost[(1, 0)], lost[(1, 0)], lost[(1, 1)]);
+        let position = whole.position(landmark) + Vector2::new(moved[0], moved[1]);
+        (position, whole.block(landmark, landmark) - lost)
+    }
+
+    /// Pays the debts: the whole becomes what it would be, had it been corrected all along.
+    pub(super) fn settle(self, whole: &mut LargeState<R>) -> Result<()> {
+        let length = whole.map.len();
+        let u = self.all_columns(whole);
+        let product = |rows: &[f64]| {
+            let mut product = vec![0.0; rows.len() / self.width * length];
+            let pairs = product.chunks_exact_mut(length.max(1)).zip(rows.chunks_exact(self.width));
+            for (sum, row) in pairs {
+                for (factor, u) in row.iter().zip(u.chunks_exact(length)) {
+                    kernel::add_scaled(sum, *factor, u);
+                }
+            }
+            product
+        };
+        let psi_u = product(&self.psi);
+        let mut diagonal = whole.triangle.diagonal_minus(&psi_u, &u);
+        for (k, &member) in self.members.iter().enumerate() {
+            let block = self.state.block(k, k);
+            diagonal[member] = [block.m11, block.m21, block.m22];
+        }
+        let step = self.state.step;
+        whole.check_diagonal(&diagonal, step)?;
+        for (factor, u) in self.theta.iter().zip(u.chunks_exact(length.max(1))) {
+            kernel::add_scaled(&mut whole.map, *factor, u);
+        }
+        whole.triangle.subtract(&psi_u, &u, diagonal);
+        whole.step = step;
+        let with_rest = product(&self.phi);
+        self.write_members(whole, &with_rest, length);
+        self.write_born(whole, &with_rest, length);
+        Ok(())
+    }
+
+    /// U: for each number of the part its covariances with all landmarks of the whole.
+    fn all_columns(&self, whole: &LargeState<R>) -> Vec<f64> {
+        let length = whole.map.len();
+        let mut u = vec![0.0; self.width * length];
+        let (robot, members) = u.split_at_mut(R * length);
+        for (row, cross) in robot.chunks_exact_mut(length.max(1)).zip(&whole.cross) {
+            row.copy_from_slice(cross);
+        }
+        for (pair, &member) in members.chunks_exact_mut(2 * length.max(1)).zip(&self.members) {
+            let (x, y) = pair.split_at_mut(length);
+            whole.triangle.columns(member, x, y);
+        }
+        u
+    }
+
+    /// The robot, and the landmarks of the part that the whole had before.
+    fn write_members(&self, whole: &mut LargeState<R>, with_rest: &[f64], length: usize) {
+        let part = &self.state;
+        whole.robot = part.robot;
+        whole.robot_covariance = part.robot_covariance;
+        for (r, row) in with_rest.chunks_exact(length.max(1)).take(R).enumerate() {
+            whole.cross[r].copy_from_slice(row);
+        }
+        let mut is_member = vec![false; length / 2];
+        self.members.iter().for_each(|&member| is_member[member] = true);
+        for (k, &member) in self.members.iter().enumerate() {
+            let row = |a: usize| &with_rest[(R + 2 * k + a) * length..][..length];
+            let (x, y) = (row(0), row(1));
+            for other in (0..length / 2).filter(|&other| !is_member[other]) {
+                let at = 2 * other;
+                let block = Matrix2::new(x[at], x[at + 1], y[at], y[at + 1]);
+                whole.triangle.set_block(member, other, &block);
+            }
+            for (l, &other) in self.members.iter().enumerate().take(k) {
+                whole.triangle.set_block(member, other, &part.block(k, l));
+            }
+            let place = 2 * member..2 * member + 2;
+            whole.map[place.clone()].copy_from_slice(&part.map[2 * k..2 * k + 2]);
+            for r in 0..R {
+                let cross = &part.cross[r][2 * k..2 * k + 2];
+                whole.cross[r][place.clone()].copy_from_slice(cross);
+            }
+        }
+    }
+
+    /// The landmarks that were born in the part.
+    fn write_born(&self, whole: &mut LargeState<R>, with_rest: &[f64], length: usize) {
+        let part = &self.state;
+        for k in self.members.len()..part.len() {
+            let row = |a: usize| with_rest[(R + 2 * k + a) * length..][..length].to_vec();
+            let (mut x, mut y) = (row(0), row(1));
+            let mut put = |at: usize, block: Matrix2<f64>| {
+                x.resize(x.len().max(at + 2), 0.0);
+                y.resize(y.len().max(at + 2), 0.0);
+                x[at..at + 2].copy_from_slice(&[block.m11, block.m12]);
+                y[at..at + 2].copy_from_slice(&[block.m21, block.m22]);
+            };
+            for (l, &member) in self.members.iter().enumerate() {
+                put(2 * member, part.block(k, l));
+            }
+            for l in self.members.len()..k {
+                put(length + 2 * (l - self.members.len()), part.block(k, l));
+            }
+            whole.triangle.push(&x, &y, &part.block(k, k));
+            whole.map.extend_from_slice(&part.map[2 * k..2 * k + 2]);
+            for r in 0..R {
+                whole.cross[r].extend_from_slice(&part.cross[r][2 * k..2 * k + 2]);
+            }
+        }
+    }
+}
+
+impl<const R: usize> LargeState<R> {
+    /// The robot with some of the landmarks.
+    fn part(&self, members: &[usize]) -> LargeState<R> {
+        let mut part = LargeState {
+            robot: self.robot,
+            robot_covariance: self.robot_covariance,
+            map: Vec::new(),
+            cross: std::array::from_fn(|_| Vec::new()),
+            triangle: Triangle::default(),
+            step: self.step,
+        };
+        for (count, &member) in members.iter().enumerate() {
+            let blocks = || members[..count].iter().map(|&other| self.block(member, other));
+            let x: Vec<f64> = blocks().flat_map(|block| [block.m11, block.m12]).collect();
+            let y: Vec<f64> = blocks().flat_map(|block| [block.m21, block.m22]).collect();
+            part.triangle.push(&x, &y, &self.block(member, member));
+            part.map.extend_from_slice(&self.map[2 * member..2 * member + 2]);
+            for r in 0..R {
+                part.cross[r].extend_from_slice(&self.cross[r][2 * member..2 * member + 2]);
+            }
+        }
+        part
+    }
+}

@@ -1,0 +1,204 @@
+//! From a cloud to its occupied cells and the weight in each.
+
+use super::blocks::{Blocks, NOWHERE, Place};
+use super::modes::Cell;
+use super::raster::Raster;
+use crate::workers::PART;
+use crate::{Poses, Workers};
+use pulp::{Arch, Simd, WithSimd};
+
+/// The occupied cells of a cloud, with memory kept from one cloud to the next.
+#[derive(Debug)]
+pub(super) struct Cells {
+    pub(super) raster: Raster,
+    pub(super) blocks: Blocks,
+    /// For each particle the key of its block.
+    keys: Vec<u64>,
+    /// For each particle its place in the block, then among all blocks, at last its cell.
+    places: Vec<u32>,
+    /// The cells, numbered by where they are.
+    pub(super) all: Vec<Cell>,
+    /// The same for each part of the cloud, where they are few.
+    of_parts: Vec<Cell>,
+    parts: Vec<Part>,
+}
+
+/// A part of the cloud with its own blocks, if they are few: those of a tracked robot are. Then
+/// nobody needs to look at its particles one after the other with those of all other parts.
+#[derive(Debug)]
+struct Part {
+    blocks: Blocks,
+    /// For each of them its index among the blocks of the cloud.
+    indices: Vec<usize>,
+    /// Whether there were too many: the places are then those among the blocks of the cloud.
+    is_scattered: bool,
+}
+
+impl Default for Part {
+    fn default() -> Self {
+        Part { blocks: Blocks::at_most(FEW), indices: Vec::new(), is_scattered: false }
+    }
+}
+
+/// Most blocks that a part has for its own.
+const FEW: usize = 4;
+
+impl Cells {
+    pub(super) fn new(raster: Raster) -> Self {
+        Cells {
+            raster,
+            blocks: Blocks::default(),
+            keys: Vec::new(),
+            places: Vec::new(),
+            all: Vec::new(),
+            of_parts: Vec::new(),
+            parts: Vec::new(),
+        }
+    }
+
+    /// For each particle its cell, or [`NOWHERE`].
+    pub(super) fn of_particles(&mut self) -> &mut [u32] {
+        &mut self.places
+    }
+
+    /// Finds the cell of every particle that has a weight, and what each cell weighs. Returns how
+    /// many particles of equal weight a unit of weight is worth, by the effective sample size.
+    pub(super) fn find(&mut self, workers: &Workers, poses: Poses<'_>, weights: &[f64]) -> f64 {
+        self.address(workers, poses, weights);
+        self.occupy();
+        let count = self.blocks.number_cells();
+        let [sum, squares] = self.weigh(workers, weights, count);
+        if squares > 0.0 { sum / squares } else { 0.0 }
+    }
+
+    /// Finds the block of every particle and its place there.
+    fn address(&mut self, workers: &Workers, poses: Poses<'_>, weights: &[f64]) {
+        self.keys.resize(poses.len(), 0);
+        self.places.resize(poses.len(), 0);
+        self.parts.resize_with(poses.len().div_ceil(PART), Part::default);
+        let raster = self.raster;
+        let found = self.keys.chunks_mut(PART).zip(self.places.chunks_mut(PART));
+        let particles = poses.chunks(PART).zip(weights.chunks(PART));
+        let parts = self.parts.iter_mut().zip(particles.zip(found));
+        workers.for_each(parts, |(part, ((poses, weights), (keys, places)))| {
+            Arch::new().dispatch(Address { raster, poses, weights, keys, places });
+            part.is_scattered = !part.occupy(keys, places);
+        });
+    }
+
+    /// Brings the blocks of all parts together.
+    fn occupy(&mut self) {
+        self.blocks.clear();
+        let found = self.keys.chunks(PART).zip(self.places.chunks_mut(PART));
+        for (part, (keys, places)) in self.parts.iter_mut().zip(found) {
+            let joined = !part.is_scattered;
+            if !(joined && self.blocks.occupy_as(&part.blocks, &mut part.indices)) {
+                part.is_scattered = true;
+                for (key, place) in keys.iter().zip(places).filter(|(_, place)| **place != NOWHERE)
+                {
+                    *place = self.blocks.occupy(*key, Place::within(*place));
+                }
+            }
+        }
+    }
+
+    /// Adds up the weights of every cell and turns places into cells. Returns the sum of all
+    /// weights and that of their squares.
+    fn weigh(&mut self, workers: &Workers, weights: &[f64], count: usize) -> [f64; 2] {
+        let Cells { blocks, places, all, of_parts, parts, .. } = self;
+        all.clear();
+        all.extend((0..count as u32).map(|parent| Cell { weight: 0.0, count: 0, parent }));
+        let particles = places.chunks_mut(PART).zip(weights.chunks(PART));
+        let parts = parts.iter_mut().zip(particles);
+        if count == 0 || count > PART {
+            let sums = parts.map(|(part, (places, weights))| {
+                weigh(part.numbered(blocks), places, weights, all)
+            });
+            return sums.fold([0.0; 2], plus);
+        }
+        of_parts.clear();
+        of_parts.resize(parts.len() * count, Cell { weight: 0.0, count: 0, parent: 0 });
+        let parts = parts.zip(of_parts.chunks_mut(count));
+        let sums = workers.map(parts, |((part, (places, weights)), cells)| {
+            weigh(part.numbered(blocks), places, weights, cells)
+        });
+        for part in of_parts.chunks(count) {
+            for (cell, part) in all.iter_mut().zip(part) {
+                cell.weight += part.weight;
+                cell.count += part.count;
+            }
+        }
+        sums.into_iter().fold([0.0; 2], plus)
+    }
+}
+
+fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+impl Part {
+    /// Occupies the cells of its particles and turns their places within blocks into those among
+    /// its own blocks; stops and returns false where these are too many.
+    fn occupy(&mut self, keys: &[u64], places: &mut [u32]) -> bool {
+        self.blocks.clear();
+        for (key, place) in keys.iter().zip(places).filter(|(_, place)| **place != NOWHERE) {
+            let found = self.blocks.occupy(*key, *place);
+            if found == NOWHERE {
+                return false;
+            }
+            *place = found;
+        }
+        true
+    }
+
+    /// The blocks that the places of its particles are in, with cells numbered.
+    fn numbered<'a>(&'a mut self, of_cloud: &'a Blocks) -> &'a Blocks {
+        if self.is_scattered {
+            return of_cloud;
+        }
+        self.blocks.number_as(of_cloud, &self.indices);
+        &self.blocks
+    }
+}
+
+/// Adds particles to cells and turns their places into cells; the sum of their weights and that of
+/// their squares.
+fn weigh(blocks: &Blocks, places: &mut [u32], weights: &[f64], cells: &mut [Cell]) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for (place, &weight) in places.iter_mut().zip(weights) {
+        if *place != NOWHERE {
+            *place = blocks.cell(*place);
+            let cell = &mut cells[*place as usize];
+            cell.weight += weight;
+            cell.count += 1;
+            sums = plus(sums, [weight, weight * weight]);
+        }
+    }
+    sums
+}
+
+/// Finds the block of each particle of a part and its place there.
+struct Address<'a> {
+    raster: Raster,
+    poses: Poses<'a>,
+    weights: &'a [f64],
+    keys: &'a mut [u64],
+    places: &'a mut [u32],
+}
+
+impl WithSimd for Address<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Poses { x, y, theta } = self.poses;
+        let found = self.keys.iter_mut().zip(self.places);
+        let poses = x.iter().zip(y).zip(theta).zip(self.weights);
+        for ((((&x, &y), &theta), &weight), (key, place)) in poses.zip(found) {
+            let counts = (weight > 0.0) & Raster::is_on(x, y, theta);
+            let found = Place::of(self.raster.address(x, y, theta));
+            *key = found.block;
+            *place = if counts { found.within } else { NOWHERE };
+        }
+    }
+}

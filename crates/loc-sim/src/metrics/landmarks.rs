@@ -1,0 +1,145 @@
+//! How good a map of landmarks is that a method has drawn.
+//!
+//! Such a map has a frame of its own, the one that the robot started in. So it is first carried
+//! onto the true one by the rigid motion that brings the pairs closest; what remains is the error
+//! of the map itself. Where the landmarks have no numbers, a landmark of the map is paired with the
+//! true one next to it.
+
+use super::{Alignment, Pair, transform};
+use crate::Result;
+use crate::localizer::EstimatedMap;
+use crate::record::{MethodRecord, Run};
+use loc_core::Pose2;
+use nalgebra::Point2;
+use serde::Serialize;
+
+/// The figures of a map. Provisional landmarks do not count.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LandmarkErrors {
+    /// Landmarks of the method's map.
+    pub mapped: usize,
+    /// True landmarks that have one of these; null without a true map.
+    pub found: Option<usize>,
+    /// Landmarks of the map that are none, or that are there twice.
+    pub extra: Option<usize>,
+    /// Root mean square distance of the found ones from the true ones after a rigid alignment;
+    /// null for fewer than two.
+    pub rmse_m: Option<f64>,
+}
+
+/// Farther than this from every true landmark, a landmark of the map is none of them \[m\].
+const FARTHEST: f64 = 1.0;
+
+/// Rounds of pairing and aligning of a map without numbers.
+const ROUNDS: usize = 10;
+
+/// The figures of the map that a method has drawn; `None` for a method that draws none.
+///
+/// # Errors
+/// Those of [`transform`].
+pub fn landmark_errors(run: &Run, record: &MethodRecord) -> Result<Option<LandmarkErrors>> {
+    let Some(map) = &record.map else { return Ok(None) };
+    let confirmed = map.landmarks.iter().filter(|landmark| landmark.confirmed);
+    let places: Vec<(u32, Point2<f64>)> =
+        confirmed.map(|landmark| (landmark.id, landmark.position.mean.into())).collect();
+    let truth: Vec<(u32, Point2<f64>)> =
+        run.setup.landmarks.iter().map(|l| (l.id, l.position.xy())).collect();
+    if truth.is_empty() {
+        let mapped = places.len();
+        return Ok(Some(LandmarkErrors { mapped, found: None, extra: None, rmse_m: None }));
+    }
+    let (pairs, carried) = match map.numbered {
+        true => (by_number(&places, &truth), None),
+        false => by_place(&places, &truth, path_alignment(run, record)?)?,
+    };
+    let aligned = match carried {
+        Some(carried) => Some(carried),
+        None => rigid(&pairs).ok().flatten(),
+    };
+    let squared = |to: Pose2| -> f64 {
+        let off = |pair: &(Point2<f64>, Point2<f64>)| to.transform(&pair.0) - pair.1;
+        pairs.iter().map(|pair| off(pair).norm_squared()).sum::<f64>()
+    };
+    Ok(Some(LandmarkErrors {
+        mapped: places.len(),
+        found: Some(pairs.len()),
+        extra: Some(places.len() - pairs.len()),
+        rmse_m: aligned
+            .filter(|_| pairs.len() > 1)
+            .map(|to| (squared(to) / pairs.len() as f64).sqrt()),
+    }))
+}
+
+type Places = [(u32, Point2<f64>)];
+type Pairs = Vec<(Point2<f64>, Point2<f64>)>;
+
+fn by_number(places: &Places, truth: &Places) -> Pairs {
+    let known = |id: u32| truth.iter().find(|(other, _)| *other == id).map(|(_, place)| *place);
+    places.iter().filter_map(|(id, place)| Some((*place, known(*id)?))).collect()
+}
+
+/// Pairs each true landmark with the nearest of the map, and aligns by these, in turns.
+fn by_place(places: &Places, truth: &Places, start: Pose2) -> Result<(Pairs, Option<Pose2>)> {
+    let mut carried = start;
+    let mut pairs = nearest(places, truth, carried);
+    for _ in 0..ROUNDS {
+        let Some(better) = rigid(&pairs)? else { break };
+        let again = nearest(places, truth, better);
+        carried = better;
+        if again == pairs {
+            break;
+        }
+        pairs = again;
+    }
+    Ok((pairs, Some(carried)))
+}
+
+/// The closest pairs first, each landmark once.
+fn nearest(places: &Places, truth: &Places, carried: Pose2) -> Pairs {
+    let mut all: Vec<(f64, usize, usize)> = Vec::new();
+    for (i, (_, place)) in places.iter().enumerate() {
+        let moved = carried.transform(place);
+        let distances = truth.iter().map(|(_, other)| nalgebra::distance(&moved, other));
+        all.extend(distances.enumerate().map(|(j, distance)| (distance, i, j)));
+    }
+    all.retain(|(distance, ..)| *distance <= FARTHEST);
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let (mut used, mut found) = (vec![false; places.len()], vec![false; truth.len()]);
+    let mut pairs = Vec::new();
+    for (_, i, j) in all {
+        if !used[i] && !found[j] {
+            (used[i], found[j]) = (true, true);
+            pairs.push((places[i].1, truth[j].1));
+        }
+    }
+    pairs
+}
+
+/// The motion that carries the first of each pair closest to the second; `None` for fewer than two
+/// pairs, and for landmarks that all lie at one place.
+fn rigid(pairs: &[(Point2<f64>, Point2<f64>)]) -> Result<Option<Pose2>> {
+    let pose = |point: &Point2<f64>| Pose2::new(point.x, point.y, 0.0);
+    let pairs: Vec<Pair<Pose2>> = pairs.iter().map(|(a, b)| Pair::new(pose(a), pose(b))).collect();
+    match transform(&pairs, Alignment::Se2) {
+        Err(crate::Error::UndeterminedAlignment { .. }) => Ok(None),
+        other => other,
+    }
+}
+
+/// The motion that carries the method's path onto the true one, for a first guess.
+fn path_alignment(run: &Run, record: &MethodRecord) -> Result<Pose2> {
+    let pairs = record.estimates.iter().zip(&run.truth);
+    let pairs: Vec<Pair<Pose2>> =
+        pairs.map(|(e, truth)| Pair::new(e.pose, truth.value.pose)).collect();
+    match transform(&pairs, Alignment::Se2) {
+        Err(crate::Error::UndeterminedAlignment { .. }) => Ok(Pose2::IDENTITY),
+        other => Ok(other?.unwrap_or(Pose2::IDENTITY)),
+    }
+}
+
+impl EstimatedMap {
+    /// How many landmarks are no longer provisional.
+    pub fn confirmed(&self) -> usize {
+        self.landmarks.iter().filter(|landmark| landmark.confirmed).count()
+    }
+}

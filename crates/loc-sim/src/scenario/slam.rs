@@ -1,0 +1,50 @@
+//! Settings of `ekf-slam`, in the units of configuration files.
+
+use crate::Result;
+use loc_filters::association::Rule;
+use loc_filters::slam::{Identities, Jacobians, SlamSettings};
+use serde::Deserialize;
+
+/// What `ekf-slam` is told beside the noise of odometry and camera. What is left out has the
+/// default.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SlamConfig {
+    /// `known` where numbers are read off the landmarks, `unknown` where the method must find out.
+    pub identities: Identities,
+    /// `current`, or `first` for first estimates.
+    pub jacobians: Jacobians,
+    /// `nearest-neighbor`, `maximum-likelihood` or `joint-compatibility`.
+    pub association: Rule,
+    /// Share of right pairs that the gate of the association lets pass.
+    pub association_probability: Option<f64>,
+    /// How much likelier than any other explanation a pair must be.
+    pub least_ratio: Option<f64>,
+    /// The same for two landmarks that become one.
+    pub merge_ratio: Option<f64>,
+    /// The most landmarks in the map.
+    pub most_landmarks: Option<usize>,
+    /// Works on the landmarks within this radius at a time.
+    pub submap_radius_m: Option<f64>,
+}
+
+impl SlamConfig {
+    /// The library's form; noise, mounting and gate are put in by the method.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`].
+    pub(super) fn settings(&self) -> Result<SlamSettings> {
+        let mut settings = SlamSettings::default();
+        let put = |to: &mut f64, from: Option<f64>| *to = from.unwrap_or(*to);
+        settings.identities = self.identities;
+        settings.jacobians = self.jacobians;
+        settings.association.rule = self.association;
+        put(&mut settings.association.gate_probability, self.association_probability);
+        put(&mut settings.association.least_ratio, self.least_ratio);
+        put(&mut settings.map.merge_ratio, self.merge_ratio);
+        settings.map.most_landmarks = self.most_landmarks.unwrap_or(settings.map.most_landmarks);
+        settings.submap_radius = self.submap_radius_m;
+        settings.check()?;
+        Ok(settings)
+    }
+}

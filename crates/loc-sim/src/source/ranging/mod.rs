@@ -1,0 +1,111 @@
+//! Recordings of a robot that measures distances to beacons: radio ranging and odometry.
+
+mod columns;
+pub mod labyrinth;
+pub mod plaza;
+
+use super::{Setup, Source};
+use crate::event::{Event, Measurement, Payload};
+use crate::{Error, Result};
+use loc_core::gaussian::pose_belief;
+use loc_core::{Gaussian, Pose2};
+use loc_maps::LandmarkMap;
+use loc_sensors::landmark_camera::{LandmarkNoise, Sight, Sighting};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What is known of the start of such a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RangingStart {
+    /// The start pose, where the user says it; else that of the reference.
+    pub pose: Option<Pose2>,
+    /// How well it is known: standard deviations of (x, y, heading) \[m, m, rad\].
+    pub sigmas: [f64; 3],
+}
+
+/// A recording of ranges to beacons whose places are known.
+#[derive(Debug)]
+pub struct RangeRecording {
+    setup: Setup,
+    noise: LandmarkNoise,
+    truth_has_heading: bool,
+    events: std::vec::IntoIter<Event>,
+    notes: Vec<String>,
+}
+
+/// The parts of a recording, read from its files.
+struct Parts {
+    name: String,
+    beacons: LandmarkMap,
+    events: Vec<Event>,
+    /// Where the reference starts.
+    start: Pose2,
+    truth_has_heading: bool,
+    /// What the data sheet says.
+    range_sigma: f64,
+    notes: Vec<String>,
+}
+
+impl RangeRecording {
+    fn new(path: &Path, mut parts: Parts, start: &RangingStart) -> Result<Self> {
+        parts.events.sort_by(Event::order);
+        let stamps = || parts.events.iter().map(|event| event.stamp);
+        let (first, last) = (stamps().reduce(f64::min), stamps().reduce(f64::max));
+        let (Some(first), Some(last)) = (first, last) else {
+            return Err(Error::Recording {
+                path: path.to_owned(),
+                expected: "ranges, odometry and true positions".into(),
+                found: "none".into(),
+            });
+        };
+        let belief = pose_belief(start.pose.unwrap_or(parts.start), start.sigmas);
+        let setup = Setup {
+            name: parts.name,
+            start: first,
+            end: last,
+            start_belief: Gaussian::new(belief.mean, belief.covariance)?,
+            rail: None,
+            landmarks: Arc::new(parts.beacons),
+            map: None,
+            lines: None,
+            has_laser: false,
+            kidnapped_at: None,
+        };
+        Ok(RangeRecording {
+            setup,
+            noise: LandmarkNoise { range_sigma: parts.range_sigma, ..LandmarkNoise::default() },
+            truth_has_heading: parts.truth_has_heading,
+            events: parts.events.into_iter(),
+            notes: parts.notes,
+        })
+    }
+
+    /// How far ranges are off by the data sheet of the radios.
+    pub fn noise(&self) -> LandmarkNoise {
+        self.noise
+    }
+}
+
+impl Source for RangeRecording {
+    fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    fn next_event(&mut self) -> Result<Option<Event>> {
+        Ok(self.events.next())
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    fn truth_has_heading(&self) -> bool {
+        self.truth_has_heading
+    }
+}
+
+/// One range to a beacon.
+fn range_event(stamp: f64, beacon: u32, range: f64) -> Event {
+    let sighting = Sighting { landmark: beacon, sight: Sight::Range { range } };
+    Event::now(stamp, Payload::Measurement(Measurement::Landmarks(vec![sighting])))
+}
