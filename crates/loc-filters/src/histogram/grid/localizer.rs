@@ -5,6 +5,7 @@ use super::scan::Scan;
 use super::sensor::Sensor;
 use super::settings::GridSettings;
 use super::space::PoseSpace;
+use super::window::Window;
 use crate::Result;
 use loc_core::error::finite;
 use loc_core::motion::DrivenPath;
@@ -64,6 +65,7 @@ impl GridLocalizer {
     /// cells so small that the grid would not fit into memory.
     pub fn new(map: &OccupancyGrid, settings: GridSettings) -> Result<Self> {
         settings.validate()?;
+        Window::size(&settings.fine)?;
         let space = PoseSpace::new(map, &settings)?;
         let sensor = Sensor::new(map, &space, &settings)?;
         let belief = Belief::anywhere(&space);

@@ -70,7 +70,7 @@ impl Belief {
     }
 }
 
-/// Below this \[nat\] a start is not worth a cell.
+/// Below this \[nat\] a cell has no part in a start: nearly eight standard deviations away.
 const FAINT: f64 = -30.0;
 
 /// Gives the cells that have a density a total of 1.
@@ -81,7 +81,7 @@ fn fill(stack: &mut Stack, log_density: impl Fn(usize, usize) -> Option<f64>) ->
         cells().filter_map(|(layer, place)| Some((layer, place, log_density(layer, place)?)));
     let rated: Vec<(usize, usize, f64)> = rated.collect();
     let highest = rated.iter().map(|cell| cell.2).fold(f64::NEG_INFINITY, f64::max);
-    if !highest.is_finite() {
+    if highest.is_nan() || highest <= FAINT {
         return Err(Error::NoRoom { what: "start of the robot" });
     }
     let worthy = || rated.iter().filter(|cell| cell.2 - highest > FAINT);

@@ -28,15 +28,22 @@ pub(super) struct Window {
 }
 
 impl Window {
+    /// How many cells it will have.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::Length`] for more than fit into memory.
+    pub(super) fn size(settings: &FineSettings) -> Result<Size> {
+        let [across, headings] = reach(settings).map(|reach| 2 * reach + 1);
+        let size = Size { headings, rows: across, columns: across };
+        check_count(&size)?;
+        Ok(size)
+    }
+
     /// An empty one.
     pub(super) fn at(center: Pose2, settings: &FineSettings) -> Result<Self> {
-        let reach = [settings.reach / settings.cell, settings.turn / settings.heading]
-            .map(|cells| cells.round().clamp(1.0, 1e6) as usize);
-        let across = 2 * reach[0] + 1;
-        let size = Size { headings: 2 * reach[1] + 1, rows: across, columns: across };
-        check_count(&size)?;
+        let size = Window::size(settings)?;
         let lattice = Lattice { cell: settings.cell, heading_step: settings.heading };
-        Ok(Window { center, lattice, reach, stack: Stack::new(size) })
+        Ok(Window { center, lattice, reach: reach(settings), stack: Stack::new(size) })
     }
 
     pub(super) fn stack(&self) -> &Stack {
@@ -181,4 +188,10 @@ impl Window {
         }
         shares.into_iter().filter(|(_, share)| *share <= 0.0).map(|(place, _)| place).collect()
     }
+}
+
+/// Cells and headings to either side.
+fn reach(settings: &FineSettings) -> [usize; 2] {
+    [settings.reach / settings.cell, settings.turn / settings.heading]
+        .map(|cells| cells.round().clamp(1.0, 1e6) as usize)
 }
