@@ -36,7 +36,9 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
     for (k, record) in run.methods.iter().enumerate() {
         scene = drawn_map(scene, k, record);
     }
-    if let Some(seen) = run.methods.iter().rev().find_map(measured) {
+    // Beside the landmarks of a drawn map the single sightings would be too much.
+    let draws = run.methods.iter().any(|record| record.map.is_some());
+    if let Some(seen) = run.methods.iter().rev().filter(|_| !draws).find_map(measured) {
         scene = scene.stars(Role::Measurement, "landmark as measured", seen);
     }
     for (k, record) in run.methods.iter().enumerate() {
