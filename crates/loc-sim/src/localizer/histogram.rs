@@ -1,6 +1,6 @@
 //! `histogram`: Markov localization with a laser on a grid over (x, y, heading) (K1).
 
-use super::{Estimate, Hypothesis, Judgement, Localizer, MethodSettings};
+use super::{Estimate, Hypothesis, Judgement, Localizer, MethodSettings, PlaceBelief};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
@@ -14,6 +14,8 @@ const HYPOTHESES: usize = 5;
 pub(super) struct Histogram {
     grid: GridLocalizer,
     odometry: Pose2,
+    /// Whether the last input changed the belief.
+    is_new: bool,
 }
 
 impl Histogram {
@@ -27,7 +29,7 @@ impl Histogram {
         if !settings.global {
             grid.start_at(&setup.start_belief)?;
         }
-        Ok(Histogram { grid, odometry: Pose2::IDENTITY })
+        Ok(Histogram { grid, odometry: Pose2::IDENTITY, is_new: true })
     }
 }
 
@@ -41,8 +43,10 @@ impl Localizer for Histogram {
     }
 
     fn correct(&mut self, _stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
+        self.is_new = false;
         let Measurement::Scan { scan, mounting } = measurement else { return Ok(Vec::new()) };
         let update = self.grid.update(self.odometry, scan, *mounting)?;
+        self.is_new = update != GridUpdate::StoodStill;
         let used = Judgement { accepted: true, ..Judgement::REFUSED };
         Ok(if matches!(update, GridUpdate::Done(_)) { vec![used] } else { Vec::new() })
     }
@@ -54,5 +58,11 @@ impl Localizer for Histogram {
     fn hypotheses(&self) -> Vec<Hypothesis> {
         let places = self.grid.hypotheses(HYPOTHESES).into_iter();
         places.map(|(share, belief)| Hypothesis { share, belief }).collect()
+    }
+
+    fn place_belief(&self) -> Option<PlaceBelief> {
+        let probabilities = || self.grid.position_probabilities().into_iter().map(|p| p as f32);
+        let squares = *self.grid.squares();
+        self.is_new.then(|| PlaceBelief { squares, probabilities: probabilities().collect() })
     }
 }
