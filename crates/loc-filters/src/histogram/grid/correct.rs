@@ -5,6 +5,7 @@
 //! together they cannot have more than a given share of the result.
 
 use super::bounds::LayerBounds;
+use super::levels::Levels;
 use super::scan::Scan;
 use super::sensor::Sensor;
 use super::space::PoseSpace;
@@ -14,8 +15,8 @@ use super::window::{Place, Window};
 /// Cells that are rated first, for an idea of how likely the scan is.
 const FIRST: usize = 64;
 
-/// Bounds that are so far below the least one that counts \[nat\] are not added up one by one.
-const FAR_BELOW: f32 = 15.0;
+/// So many times as many cells are rated in each further round.
+const GROWTH: usize = 8;
 
 /// What a scan makes of the belief.
 #[derive(Debug)]
@@ -134,22 +135,32 @@ struct Rating<'a> {
 }
 
 impl Rating<'_> {
+    /// Rates the cells from the highest key down, until those that are left can have no more than
+    /// the share `negligible` together. Returns what they can have at most.
     fn rate(&mut self, negligible: f64) -> f64 {
-        let mut first = self.highest(FIRST);
-        first.sort_unstable();
-        self.take(&first);
-        let least = |total: &LogSum| {
-            (negligible.ln() + total.log() - (self.space.room() as f64).ln()) as f32
-        };
-        let bound = least(&self.total);
-        let above = |(index, key): (usize, &f32)| (*key > bound).then_some(index);
-        let rest: Vec<usize> = self.keys.iter().enumerate().filter_map(above).collect();
-        self.take(&rest);
-        let bound = if bound.is_finite() { bound } else { f32::NEG_INFINITY };
-        let log_total = self.total.log();
-        let near = self.keys.iter().filter(|key| **key > bound - FAR_BELOW);
-        let near: f64 = near.map(|key| (f64::from(*key) - log_total).exp()).sum();
-        near + if bound.is_finite() { negligible * f64::from(-FAR_BELOW).exp() } else { 0.0 }
+        if negligible <= 0.0 {
+            let all = self.keys.iter().enumerate();
+            let all: Vec<usize> = all.filter_map(|(k, key)| key.is_finite().then_some(k)).collect();
+            self.take(&all);
+            return 0.0;
+        }
+        let mut highest = self.highest(FIRST);
+        highest.sort_unstable();
+        self.take(&highest);
+        let mut most = FIRST;
+        loop {
+            let levels = Levels::of(&self.keys, self.total.log(), negligible);
+            let (needed, passed_over) = levels.needed(negligible);
+            most *= GROWTH;
+            // With every cell that is rated the others have less of the whole.
+            let level = needed.max(levels.of_about(most));
+            let above = |(index, key): (usize, &f32)| levels.is_in(*key, level).then_some(index);
+            let next: Vec<usize> = self.keys.iter().enumerate().filter_map(above).collect();
+            if next.is_empty() {
+                return passed_over;
+            }
+            self.take(&next);
+        }
     }
 
     /// The cells with the highest keys.

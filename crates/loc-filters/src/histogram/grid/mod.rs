@@ -48,6 +48,7 @@ mod bounds;
 mod codes;
 mod correct;
 mod focus;
+mod levels;
 mod localizer;
 mod moments;
 mod motion;

@@ -7,6 +7,9 @@ use loc_maps::LikelihoodField;
 use loc_maps::likelihood_field::Endpoints;
 use loc_sensors::laser::LaserScan;
 
+/// The most headings of a sector that are looked at.
+const MOST_TURNS: f64 = 64.0;
+
 /// Where the beams of a scan end, and what the codes there mean.
 #[derive(Debug, Clone)]
 pub(super) struct Scan {
@@ -20,8 +23,9 @@ pub(super) struct Scan {
     pub(super) per_code: f64,
     /// Power to which the likelihood is raised.
     pub(super) exponent: f64,
-    /// Headings within a layer at which the scan is rated, from its middle \[rad\].
-    turns: Vec<f64>,
+    /// Headings within a layer at which the scan is rated, from its middle \[rad\]: from one to the
+    /// next, beams of the usual length end two standard deviations further on.
+    pub(super) turns: Vec<f64>,
 }
 
 impl Scan {
@@ -49,7 +53,8 @@ impl Scan {
         let ends = pairs.map(|(x, y)| [x, y].map(|c| f64::from(*c) / resolution)).collect();
         let exponent = (settings.independent_beams / endpoints.len() as f64).min(1.0);
         let step = space.heading_step();
-        let count = (step / (2.0 * settings.fine.heading) - 1e-6).ceil().clamp(1.0, 64.0) as usize;
+        let sharpness = 2.0 * settings.field.sigma_hit.max(resolution) / rms_range(&endpoints);
+        let count = (step / sharpness - 1e-6).ceil().clamp(1.0, MOST_TURNS) as usize;
         let turn = |k: usize| ((k as f64 + 0.5) / count as f64 - 0.5) * step;
         Some(Scan {
             lowest: exponent * field.log_likelihood_of(0, endpoints.len()),
@@ -80,4 +85,10 @@ impl Scan {
     pub(super) fn widest_turn(&self) -> f64 {
         self.turns.iter().fold(0.0, |widest, turn| turn.abs().max(widest))
     }
+}
+
+/// Root mean square of how far beams end from the robot \[m\].
+fn rms_range(ends: &Endpoints) -> f64 {
+    let squared = ends.xs().iter().zip(ends.ys()).map(|(x, y)| f64::from(x * x + y * y));
+    (squared.sum::<f64>() / ends.len() as f64).sqrt()
 }

@@ -2,6 +2,7 @@
 
 use super::super::belief::Belief;
 use super::super::correct::LogSum;
+use super::super::levels::Levels;
 use super::*;
 use approx::assert_relative_eq;
 use loc_core::gaussian::pose_belief;
@@ -162,4 +163,38 @@ fn logarithms_add_up() {
     }
     let expected = -800.0 + (1.0_f64 + (-1.0_f64).exp() + 0.5_f64.exp()).ln();
     assert_relative_eq!(sum.log(), expected, epsilon = 1e-12);
+}
+
+/// Against sorting: no more is passed over than is allowed, and what is needed is not much more
+/// than by the best order.
+#[test]
+fn levels_pass_over_as_much_as_they_may() {
+    let mut rng = rng("levels");
+    let keys: Vec<f32> = (0..5000).map(|_| rng.random_range(-40.0..3.0)).collect();
+    let share = |key: f32| (f64::from(key) - 5.0).exp();
+    for negligible in [1e-2, 1e-4] {
+        let levels = Levels::of(&keys, 5.0, negligible);
+        let (needed, passed_over) = levels.needed(negligible);
+        let mut left: Vec<f32> =
+            keys.iter().copied().filter(|key| !levels.is_in(*key, needed)).collect();
+        let sum: f64 = left.iter().map(|key| share(*key)).sum();
+        assert!(sum <= passed_over && passed_over <= negligible, "{sum} {passed_over}");
+        // One more level would be too much.
+        left.sort_by(f32::total_cmp);
+        let next: f64 = keys
+            .iter()
+            .filter(|key| **key <= left[left.len() - 1] + 0.75)
+            .map(|key| share(*key))
+            .sum();
+        assert!(1.3 * next > negligible, "{next}");
+    }
+    let levels = Levels::of(&keys, 5.0, 1e-4);
+    for most in [1, 10, 1000, 10_000] {
+        let level = levels.of_about(most);
+        let count = keys.iter().filter(|key| levels.is_in(**key, level)).count();
+        assert!(count > 0 && count <= most.max(40), "{count} of {most}");
+    }
+    let nothing = Levels::of(&[f32::NEG_INFINITY; 3], 0.0, 1e-4);
+    assert_eq!(nothing.needed(1e-4).1, 0.0);
+    assert!(!nothing.is_in(f32::NEG_INFINITY, 0));
 }
