@@ -17,6 +17,7 @@ mod mcl;
 mod method;
 mod place_belief;
 mod rail;
+pub(crate) mod smoothed;
 mod whitened;
 
 pub use cloud::Cloud;

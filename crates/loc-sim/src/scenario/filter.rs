@@ -40,6 +40,8 @@ pub struct FilterConfig {
     pub slam: SlamConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
+    /// Whether the estimates of Kalman filters are smoothed after the run as well.
+    pub smooth: bool,
 }
 
 impl FilterConfig {
@@ -61,6 +63,7 @@ impl FilterConfig {
             line_matching,
             slam: self.slam.settings()?,
             global: self.global,
+            smooth: self.smooth,
             ..MethodSettings::default()
         })
     }
