@@ -15,10 +15,10 @@ use loc_maps::LikelihoodField;
 use loc_maps::grid::{Cell, Occupancy, OccupancyGrid, io};
 use loc_maps::likelihood_field::Endpoints;
 use loc_maps::worlds::{self, WorldSettings};
-use loc_sensors::laser::{LaserScan, LaserScanner, LaserSpec};
+use loc_sensors::laser::{Beam, LaserScan, LaserScanner, LaserSpec};
 use std::f64::consts::{PI, TAU};
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The scan of the log that is used, an odd one.
 const NUMBER: usize = 401;
@@ -26,7 +26,7 @@ const NUMBER: usize = 401;
 /// What odometry reports between two scans.
 const STEP: Pose2 = Pose2 { x: 0.5, y: 0.0, theta: 0.1 };
 
-fn intel(folder: PathBuf) -> (OccupancyGrid, LaserScan, Pose2) {
+fn intel(folder: &Path) -> (OccupancyGrid, LaserScan, Pose2) {
     let map = io::load(folder.join("carmen/intel_even.yaml")).expect("a map");
     let log = std::fs::read_to_string(folder.join("carmen/intel.log")).expect("a log");
     let line = log.lines().filter(|line| line.starts_with("FLASER")).nth(NUMBER).expect("a scan");
@@ -145,14 +145,13 @@ impl Plain {
 }
 
 fn ends(scan: &LaserScan, settings: &GridSettings) -> Endpoints {
-    let points = scan.thinned(settings.beams).into_iter().map(|beam| beam.point());
+    let points = scan.thinned(settings.beams).into_iter().map(Beam::point);
     points.map(|end| [end.x, end.y]).collect()
 }
 
 fn grid_localization(c: &mut Criterion) {
     let folder = std::env::var_os("LOC_DATA_DIR");
-    let (map, scan, truth) =
-        folder.map_or_else(office, |folder| intel(Path::new(&folder).to_path_buf()));
+    let (map, scan, truth) = folder.map_or_else(office, |folder| intel(Path::new(&folder)));
     let settings = GridSettings::default();
     let lost = GridLocalizer::new(&map, settings).expect("a map");
     let mut group = c.benchmark_group("grid-localization");

@@ -202,6 +202,7 @@ impl Tape {
                 estimates,
                 judgements: judgements.collect(),
                 snapshots: Snapshots::new(setup.kidnapped_at),
+                beliefs: Snapshots::new(setup.kidnapped_at),
                 lines: LineMoments::new(setup.start, setup.end),
                 map: None,
                 updates: self.events.len(),
