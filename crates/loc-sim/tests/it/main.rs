@@ -9,6 +9,7 @@ mod consistency;
 mod convergence;
 mod convert;
 mod demonstration;
+mod drives;
 #[cfg(feature = "cli")]
 mod eval;
 mod evo;
@@ -16,6 +17,7 @@ mod figures;
 #[cfg(feature = "cli")]
 mod fit_beam;
 mod histogram;
+mod ids;
 mod landmark_mcl;
 mod layering;
 mod line_matching;

@@ -39,8 +39,9 @@ pub(super) fn histogram(run: &Run) -> Option<FigureFile> {
         frames = frames.frame(caption(run, moments[index], looks[index]), scene);
     }
     Some(FigureFile {
-        file: "histogram.svg",
-        caption: "The probability of each place of the map at twelve moments, with the true pose",
+        file: "histogram.svg".into(),
+        caption: "The probability of each place of the map at twelve moments, with the true pose"
+            .into(),
         svg: frames.render(),
     })
 }
