@@ -4,6 +4,7 @@ use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
 use super::ekf_slam::EkfSlamMethod;
+use super::histogram::Histogram;
 use super::kf_slam::KfSlamMethod;
 use super::landmark_mcl::SightMcl;
 use super::lateration::Lateration;
@@ -12,6 +13,7 @@ use super::mcl::ScanMcl;
 use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
+use loc_filters::histogram::GridSettings;
 use loc_filters::landmark::LandmarkSettings;
 use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
@@ -36,6 +38,8 @@ pub enum Method {
     LineEkf,
     /// Monte Carlo localization (M).
     Mcl,
+    /// Markov localization on a grid (K1).
+    Histogram,
     /// Linear Kalman SLAM of a robot that never turns (I1).
     KfSlam,
     /// The extended Kalman filter over robot and landmarks (I2 to I4).
@@ -65,6 +69,8 @@ pub struct MethodSettings {
     /// For the particle filter among landmarks; what it shares with the other methods among
     /// landmarks, it takes from there.
     pub landmark_mcl: LandmarkMclSettings,
+    /// For the grid over the poses in a map.
+    pub histogram: GridSettings,
     /// For lateration; what it shares with the other methods among landmarks, it takes from there.
     pub lateration: SlidingSettings,
     /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
@@ -138,12 +144,13 @@ impl MethodSettings {
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 8] = [
+    pub const ALL: [Method; 9] = [
         Method::DeadReckoning,
         Method::Lateration,
         Method::Kf,
         Method::Ekf,
         Method::LineEkf,
+        Method::Histogram,
         Method::Mcl,
         Method::KfSlam,
         Method::EkfSlam,
@@ -158,6 +165,7 @@ impl Method {
             Method::Ekf => "ekf",
             Method::LineEkf => "line-ekf",
             Method::Mcl => "mcl",
+            Method::Histogram => "histogram",
             Method::KfSlam => "kf-slam",
             Method::EkfSlam => "ekf-slam",
         }
@@ -165,7 +173,7 @@ impl Method {
 
     /// Whether it can find the robot without being told where it starts.
     pub fn can_search(self) -> bool {
-        matches!(self, Method::Lateration | Method::Mcl)
+        matches!(self, Method::Lateration | Method::Histogram | Method::Mcl)
     }
 
     /// What it measures with, beside odometry, on a source; and the map that it needs.
@@ -175,6 +183,7 @@ impl Method {
             Method::DeadReckoning => ("none", "none"),
             Method::Kf => ("position", "none"),
             Method::Lateration => ("ranges", "landmarks"),
+            Method::Histogram => ("laser", "grid"),
             Method::Mcl if lasers => ("laser", "grid"),
             Method::Ekf | Method::Mcl => ("camera", "landmarks"),
             Method::LineEkf => ("laser", "lines"),
@@ -212,6 +221,7 @@ impl Method {
             Method::Mcl if setup.has_laser || setup.landmarks.is_empty() => {
                 Box::new(ScanMcl::new(setup, settings)?)
             }
+            Method::Histogram => Box::new(Histogram::new(setup, settings)?),
             Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
             Method::KfSlam => Box::new(KfSlamMethod::new(setup, settings)?),
             Method::EkfSlam => Box::new(EkfSlamMethod::new(setup, settings)?),

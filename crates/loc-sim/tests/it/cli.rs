@@ -79,7 +79,20 @@ fn without_arguments_it_runs_the_overview() {
 #[test]
 fn files_and_summary_agree() {
     let folder = TempDir::new().unwrap();
-    let json = stdout(&loc_sim(folder.path(), &["run", "overview", "--json", "--out", "o"]));
+    let json = stdout(&loc_sim(
+        folder.path(),
+        &[
+            "run",
+            "overview",
+            "--json",
+            "--out",
+            "o",
+            "--method",
+            "ekf",
+            "--method",
+            "dead-reckoning",
+        ],
+    ));
     let summary: Value = serde_json::from_str(&json).unwrap();
     let read = |name: &str| fs::read_to_string(folder.path().join("o").join(name)).unwrap();
     let stamps = |name: &str| -> Vec<f64> {
