@@ -7,7 +7,7 @@ use super::models::{
 use super::motion::{FusedMotion, Walked};
 use super::outcome::{FusionOutcome, FusionSensor};
 use super::settings::FusionSettings;
-use super::state::{FusedBelief, STATES, Square};
+use super::state::{FusedBelief, SPEED, STATES, Square, TURN};
 use crate::delayed::Step;
 use crate::landmark::RangeBearingModel;
 use crate::{Error, ExtendedKalmanFilter, Gate, Result};
@@ -178,14 +178,25 @@ impl Held {
     fn odometry(&mut self, stamp: f64, twist: &Twist2) -> Result<FusionOutcome> {
         let period = self.wheels.beat(stamp);
         self.walk(true, true)?;
-        let variances = self.settings.motion_noise.variances(*twist, period);
+        // Nothing but an inertial unit knows better than the wheels how the robot moves.
+        let better_known = self.inertial.holds(self.stamp);
+        let gate = if better_known { self.gate } else { Gate::OPEN };
+        let moves = if better_known { self.expected_twist() } else { *twist };
+        let variances = self.settings.motion_noise.variances(moves, period);
         let variances = Vector2::new(variances.x, variances.z).add_scalar(WHEEL_ROUNDING);
         let z = Vector2::new(twist.vx, twist.omega);
-        // Nothing but an inertial unit knows better than the wheels how the robot moves.
-        let gate = if self.inertial.holds(self.stamp) { self.gate } else { Gate::OPEN };
         let innovation = self.filter.correct(&WheelModel { variances }, &z, &gate)?;
         self.sideways = twist.vy;
         Ok(FusionOutcome::of(FusionSensor::Wheels, &innovation))
+    }
+
+    /// The velocity that is expected, as the root of its mean square. The noise of the wheels grows
+    /// with the speed: taken from a reading, it would make those that are too fast count less than
+    /// those that are too slow, and the robot slower than it is.
+    fn expected_twist(&self) -> Twist2 {
+        let Gaussian { mean, covariance } = self.filter.belief();
+        let size = |index: usize| (mean[index].powi(2) + covariance[(index, index)]).sqrt();
+        Twist2::forward(size(SPEED), size(TURN))
     }
 
     fn inertial(&mut self, stamp: f64, reading: &ImuReading) -> Result<FusionOutcome> {
@@ -230,7 +241,8 @@ impl Held {
         };
         let FusionSettings { mounting, sight_noise: noise, .. } = self.settings;
         let landmark = landmark.position.xy();
-        let model = SightModel(RangeBearingModel { landmark, mounting, noise });
+        let sight = RangeBearingModel { landmark, mounting, noise };
+        let model = SightModel::new(sight, self.filter.belief());
         let (filter, gate) = (&mut self.filter, &self.gate);
         Ok(match sighting.sight {
             Sight::RangeBearing { range, bearing } => {

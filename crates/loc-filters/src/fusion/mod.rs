@@ -62,6 +62,8 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct FusedLocalizer {
     filter: DelayedFilter<Held>,
+    /// Between two samples of the inertial unit \[s\].
+    period: f64,
 }
 
 impl FusedLocalizer {
@@ -78,7 +80,8 @@ impl FusedLocalizer {
     ) -> Result<Self> {
         let stamp = loc_core::error::finite("start time [s]", stamp)?;
         let held = Held::new(map.into(), settings, stamp, &start)?;
-        Ok(FusedLocalizer { filter: DelayedFilter::new(held, settings.horizon)? })
+        let filter = DelayedFilter::new(held, settings.horizon)?;
+        Ok(FusedLocalizer { filter, period: 1.0 / settings.imu.rate })
     }
 
     /// The velocity that the wheels measured, from `stamp` \[s\] on.
@@ -91,13 +94,16 @@ impl FusedLocalizer {
         self.one("odometry", stamp, Input::Odometry(twist), FusionSensor::Wheels)
     }
 
-    /// A sample of the inertial unit.
+    /// A sample of the inertial unit: the mean over one period of the settings' rate up to
+    /// `stamp` \[s\], as units average. It is put where the period begins, so that the horizon
+    /// must not be shorter.
     ///
     /// # Errors
     /// As [`odometry`](FusedLocalizer::odometry), and [`loc_core::Error::OutOfRange`].
     pub fn inertial(&mut self, stamp: f64, reading: ImuReading) -> Result<FusionOutcome> {
         reading.check()?;
-        self.one("inertial sample", stamp, Input::Inertial(reading), FusionSensor::Inertial)
+        let from = stamp - self.period;
+        self.one("inertial sample", from, Input::Inertial(reading), FusionSensor::Inertial)
     }
 
     /// A heading of the compass.

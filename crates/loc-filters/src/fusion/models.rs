@@ -6,13 +6,16 @@ use super::state::{
 };
 use crate::extended::MeasurementModel;
 use crate::landmark::RangeBearingModel;
-use loc_core::angle;
+use loc_core::{Gaussian, angle};
 use nalgebra::{Matrix1, Matrix2, Matrix2x3, Point2, SMatrix, Vector1, Vector2, Vector3};
 
 /// Gradients of one number.
 type Row = SMatrix<f64, 1, STATES>;
 /// Gradients of two.
 type Rows = SMatrix<f64, 2, STATES>;
+
+/// Nearer than this \[m\] nothing is.
+const NEAREST: f64 = 1e-3;
 
 fn pose(state: &State) -> Vector3<f64> {
     state.fixed_rows::<3>(0).into()
@@ -135,20 +138,45 @@ impl MeasurementModel<STATES, 2> for PositionModel {
 
 /// Distance and direction of a landmark, the distance with the bias of its sensor:
 /// `(s r + o, phi)`.
+///
+/// A circle is no straight line: of a robot that is off by `d` across the line of sight, the
+/// distance is longer by `d^2 / 2 r`. With the variance `w` across, distances are expected to be
+/// longer by `w / 2 r` and to scatter by `(w / r)^2 / 2` more (the second-order filter of Bar-Shalom
+/// et al. 2001, 10.3).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SightModel(pub RangeBearingModel);
+pub struct SightModel {
+    /// The landmark as it would be seen without a bias.
+    pub sight: RangeBearingModel,
+    /// Variance of the position across the line of sight, by the distance, `w / r` \[m\].
+    pub bend: f64,
+}
 
 impl SightModel {
+    /// The model for a belief.
+    pub fn new(sight: RangeBearingModel, belief: &Gaussian<STATES>) -> Self {
+        let view = sight.predict(&pose(&belief.mean));
+        let direction = view.y + sight.mounting.theta + belief.mean[THETA];
+        let across = Vector2::new(-direction.sin(), direction.cos());
+        let position = belief.covariance.fixed_view::<2, 2>(0, 0);
+        let variance = across.dot(&(position * across));
+        SightModel { sight, bend: variance / view.x.max(variance.sqrt()).max(NEAREST) }
+    }
+
+    /// Variance of the distance that the bend adds \[m^2\].
+    fn scatter(&self) -> f64 {
+        0.5 * self.bend * self.bend
+    }
+
     fn whole(&self, state: &State) -> (Vector2<f64>, Rows) {
-        let (true_sight, by_pose): (_, Matrix2x3<f64>) = self.0.linearize(&pose(state));
+        let (true_sight, by_pose): (_, Matrix2x3<f64>) = self.sight.linearize(&pose(state));
         let mut h = Rows::zeros();
         h.fixed_view_mut::<2, 3>(0, 0).copy_from(&by_pose);
         for column in 0..3 {
             h[(0, column)] *= state[RANGE_SCALE];
         }
-        h[(0, RANGE_SCALE)] = true_sight.x;
+        h[(0, RANGE_SCALE)] = true_sight.x + 0.5 * self.bend;
         h[(0, RANGE_OFFSET)] = 1.0;
-        let range = state[RANGE_SCALE] * true_sight.x + state[RANGE_OFFSET];
+        let range = state[RANGE_SCALE] * (true_sight.x + 0.5 * self.bend) + state[RANGE_OFFSET];
         (Vector2::new(range, true_sight.y), h)
     }
 }
@@ -167,11 +195,13 @@ impl MeasurementModel<STATES, 2> for SightModel {
     }
 
     fn noise(&self, expected: &Vector2<f64>) -> Matrix2<f64> {
-        self.0.noise(expected)
+        let mut noise = self.sight.noise(expected);
+        noise[(0, 0)] += self.scatter();
+        noise
     }
 
     fn residual(&self, z: &Vector2<f64>, expected: &Vector2<f64>) -> Vector2<f64> {
-        self.0.residual(z, expected)
+        self.sight.residual(z, expected)
     }
 }
 
@@ -189,7 +219,8 @@ impl MeasurementModel<STATES, 1> for DistanceModel {
     }
 
     fn noise(&self, expected: &Vector1<f64>) -> Matrix1<f64> {
-        Matrix1::new(self.0.0.noise.range_sigma_at(expected.x).powi(2))
+        let sigma = self.0.sight.noise.range_sigma_at(expected.x);
+        Matrix1::new(sigma * sigma + self.0.scatter())
     }
 }
 
@@ -207,7 +238,7 @@ impl MeasurementModel<STATES, 1> for DirectionModel {
     }
 
     fn noise(&self, _expected: &Vector1<f64>) -> Matrix1<f64> {
-        Matrix1::new(self.0.0.noise.bearing_sigma.powi(2))
+        Matrix1::new(self.0.sight.noise.bearing_sigma.powi(2))
     }
 
     fn residual(&self, z: &Vector1<f64>, expected: &Vector1<f64>) -> Vector1<f64> {

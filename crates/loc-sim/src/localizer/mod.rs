@@ -16,8 +16,8 @@ mod line_ekf;
 mod mcl;
 mod method;
 mod rail;
-pub(crate) mod smoothed;
 mod sensor_error;
+pub(crate) mod smoothed;
 mod whitened;
 
 pub use cloud::Cloud;

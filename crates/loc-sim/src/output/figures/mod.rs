@@ -2,6 +2,7 @@
 
 mod clouds;
 mod errors;
+mod fusion;
 mod lines;
 mod map;
 mod rail;
@@ -21,7 +22,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 15] = [
+pub const NAMES: [&str; 17] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -37,6 +38,8 @@ pub const NAMES: [&str; 15] = [
     "mailbox.svg",
     "beliefs.svg",
     "lines.svg",
+    "fusion.svg",
+    "biases.svg",
 ];
 
 /// The figures that suit a run.
@@ -48,6 +51,7 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     figures.extend(lines::lines(run));
     figures.extend(clouds::clouds(run));
     figures.extend(resampling::resampling(run));
+    figures.extend(fusion::fusion(run));
     if run.truth.is_empty() {
         return figures;
     }
