@@ -191,7 +191,7 @@ impl Drive {
         self.twist = next;
         let rng = &mut self.rng;
         let mut draw = |sigma: f64| sigma * normal(rng);
-        if k % 2 == 0 {
+        if k.is_multiple_of(2) {
             let sigma = settings.motion_noise.variances(mean, 2.0 * DT).map(f64::sqrt);
             let seen = Twist2::forward(mean.vx + draw(sigma.x), mean.omega + draw(sigma.z));
             robot.odometry(from, seen).unwrap();

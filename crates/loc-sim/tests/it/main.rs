@@ -14,6 +14,7 @@ mod evo;
 mod figures;
 #[cfg(feature = "cli")]
 mod fit_beam;
+mod fusion;
 mod landmark_mcl;
 mod layering;
 mod line_matching;
