@@ -68,7 +68,7 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     let mut recorder = args.output.recorder()?;
     let mut watcher = Both(&mut filming, &mut recorder);
     let mut run = scenario.run_watched(Some(seed), methods, &mut watcher)?;
-    recorder.map_or(Ok(()), McapRecorder::finish)?;
+    recorder.map(McapRecorder::finish).transpose()?;
     run.film = Some(filming.film);
     progress.finish();
     let finished = Finished {

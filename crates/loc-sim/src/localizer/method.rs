@@ -5,6 +5,7 @@ use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
 use super::ekf_slam::EkfSlamMethod;
 use super::fusion::Fusion;
+use super::histogram::Histogram;
 use super::kf_slam::KfSlamMethod;
 use super::landmark_mcl::SightMcl;
 use super::lateration::Lateration;
@@ -14,6 +15,7 @@ use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::fusion::FusionSettings;
+use loc_filters::histogram::GridSettings;
 use loc_filters::landmark::LandmarkSettings;
 use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
@@ -40,6 +42,8 @@ pub enum Method {
     Fusion,
     /// Monte Carlo localization (M).
     Mcl,
+    /// Markov localization on a grid (K1).
+    Histogram,
     /// Linear Kalman SLAM of a robot that never turns (I1).
     KfSlam,
     /// The extended Kalman filter over robot and landmarks (I2 to I4).
@@ -60,6 +64,8 @@ pub struct MethodSettings {
     /// For the particle filter among landmarks; what it shares with the other methods among
     /// landmarks, it takes from there.
     pub landmark_mcl: LandmarkMclSettings,
+    /// For the grid over the poses in a map.
+    pub histogram: GridSettings,
     /// For lateration; what it shares with the other methods among landmarks, it takes from there.
     pub lateration: SlidingSettings,
     /// For `fusion`; what it shares with the other methods among landmarks, it takes from there.
@@ -156,13 +162,14 @@ impl MethodSettings {
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 9] = [
+    pub const ALL: [Method; 10] = [
         Method::DeadReckoning,
         Method::Lateration,
         Method::Kf,
         Method::Ekf,
         Method::LineEkf,
         Method::Fusion,
+        Method::Histogram,
         Method::Mcl,
         Method::KfSlam,
         Method::EkfSlam,
@@ -178,6 +185,7 @@ impl Method {
             Method::LineEkf => "line-ekf",
             Method::Fusion => "fusion",
             Method::Mcl => "mcl",
+            Method::Histogram => "histogram",
             Method::KfSlam => "kf-slam",
             Method::EkfSlam => "ekf-slam",
         }
@@ -185,7 +193,7 @@ impl Method {
 
     /// Whether it can find the robot without being told where it starts.
     pub fn can_search(self) -> bool {
-        matches!(self, Method::Lateration | Method::Mcl)
+        matches!(self, Method::Lateration | Method::Histogram | Method::Mcl)
     }
 
     /// Whether it draws random numbers, so that its seed matters.
@@ -218,6 +226,7 @@ impl Method {
             Method::Mcl if setup.has_laser || setup.landmarks.is_empty() => {
                 Box::new(ScanMcl::new(setup, settings)?)
             }
+            Method::Histogram => Box::new(Histogram::new(setup, settings)?),
             Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
             Method::KfSlam => Box::new(KfSlamMethod::new(setup, settings)?),
             Method::EkfSlam => Box::new(EkfSlamMethod::new(setup, settings)?),

@@ -14,9 +14,11 @@
 pub mod builtin;
 mod filter;
 mod fusion;
+pub mod ids;
 mod landmark_mcl;
 mod lateration;
 pub mod recording;
+mod sensor;
 mod shorthand;
 mod slam;
 
@@ -25,6 +27,7 @@ pub use fusion::FusionConfig;
 pub use landmark_mcl::LandmarkMclConfig;
 pub use lateration::LaterationConfig;
 pub use recording::{RecordingConfig, StartConfig};
+pub use sensor::SensorConfig;
 pub use slam::SlamConfig;
 
 use crate::demonstration::DemonstrationConfig;
@@ -71,6 +74,8 @@ pub struct Scenario {
     pub probability_map: Option<ProbabilityMapConfig>,
     /// What a method does inside; no method runs on it.
     pub demonstration: Option<DemonstrationConfig>,
+    /// A sensor that looks once, or along a drive; no method runs on it.
+    pub sensor: Option<SensorConfig>,
     /// Settings of the methods; what is left out follows the simulated sensors.
     pub filter: Option<FilterConfig>,
     /// The name of a left-handed frame in which final poses are printed as well: `kurt2`.
@@ -85,6 +90,7 @@ enum Kind<'a> {
     Outdoor(&'a OutdoorConfig),
     ProbabilityMap(&'a ProbabilityMapConfig),
     Demonstration(&'a DemonstrationConfig),
+    Sensor(&'a SensorConfig),
 }
 
 impl Scenario {
@@ -149,6 +155,7 @@ impl Scenario {
             Kind::Outdoor(outdoor) => outdoor.check()?,
             Kind::ProbabilityMap(map) => map.check()?,
             Kind::Demonstration(demonstration) => demonstration.check()?,
+            Kind::Sensor(sensor) => sensor.check()?,
         }
         self.settings().map(|_| ())
     }
@@ -162,6 +169,7 @@ impl Scenario {
             self.outdoor.as_ref().map(Kind::Outdoor),
             self.probability_map.as_ref().map(Kind::ProbabilityMap),
             self.demonstration.as_ref().map(Kind::Demonstration),
+            self.sensor.as_ref().map(Kind::Sensor),
         ];
         let mut given = kinds.into_iter().flatten();
         match (given.next(), given.next()) {
@@ -169,7 +177,7 @@ impl Scenario {
             (first, _) => {
                 let found = if first.is_some() { "several" } else { "none" };
                 Err(config::field(
-                    "drive, rail, tour, outdoor, probability_map, demonstration",
+                    "drive, rail, tour, outdoor, probability_map, demonstration, sensor",
                     "one of them",
                     found,
                 ))
@@ -197,6 +205,7 @@ impl Scenario {
             Kind::Outdoor(outdoor) => Box::new(SimulatedOutdoor::new(&self.name, outdoor, seed)?),
             Kind::ProbabilityMap(_) => return Err(self.unmoved("probability_map")),
             Kind::Demonstration(_) => return Err(self.unmoved("demonstration")),
+            Kind::Sensor(_) => return Err(self.unmoved("sensor")),
         })
     }
 
@@ -211,11 +220,9 @@ impl Scenario {
     pub fn settings(&self) -> Result<MethodSettings> {
         let sensors = match self.kind()? {
             Kind::Drive(drive) => drive.settings()?,
-            Kind::Rail(_) | Kind::ProbabilityMap(_) | Kind::Demonstration(_) => {
-                LandmarkSettings::default()
-            }
             Kind::Tour(tour) => tour.sights()?,
             Kind::Outdoor(outdoor) => outdoor.landmark_settings()?,
+            _ => LandmarkSettings::default(),
         };
         let filter = self.filter.clone().unwrap_or_default();
         let mut settings = filter.methods(sensors)?;
@@ -245,6 +252,7 @@ impl Scenario {
             Kind::Demonstration(demonstration) => {
                 Some(demonstration.illustrate(&self.title, seed)?)
             }
+            Kind::Sensor(sensor) => Some(sensor.illustrate(seed)?),
             Kind::Drive(_) | Kind::Rail(_) | Kind::Tour(_) | Kind::Outdoor(_) => None,
         })
     }

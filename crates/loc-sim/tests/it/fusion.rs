@@ -57,7 +57,8 @@ fn one_seed_gives_one_run_and_its_figures() {
     let (first, second) = (fused(&scenario, 4), fused(&scenario, 4));
     assert_eq!(first.methods[0].estimates, second.methods[0].estimates);
     assert_eq!(first.sensor_truth.silences.len(), 4, "{:?}", first.sensor_truth.silences);
-    let names: Vec<_> = figures::all(&first, "t").iter().map(|figure| figure.file).collect();
+    let figures = figures::all(&first, "t");
+    let names: Vec<_> = figures.iter().map(|figure| figure.file.as_ref()).collect();
     assert!(names.contains(&"fusion.svg") && names.contains(&"biases.svg"), "{names:?}");
     let known = first.methods[0].sensor_errors.last().unwrap();
     for error in known {

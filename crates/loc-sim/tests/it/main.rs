@@ -7,7 +7,9 @@ mod cli;
 mod consistency;
 #[cfg(feature = "cli")]
 mod convergence;
+mod convert;
 mod demonstration;
+mod drives;
 #[cfg(feature = "cli")]
 mod eval;
 mod evo;
@@ -15,6 +17,8 @@ mod figures;
 #[cfg(feature = "cli")]
 mod fit_beam;
 mod fusion;
+mod histogram;
+mod ids;
 mod landmark_mcl;
 mod layering;
 mod line_matching;

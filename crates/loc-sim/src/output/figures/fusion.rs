@@ -46,8 +46,9 @@ fn errors(run: &Run, k: usize, record: &MethodRecord) -> FigureFile {
         figure = figure.panel(chart.line(Role::Method(k), &record.name(), error));
     }
     FigureFile {
-        file: "fusion.svg",
-        caption: "Error of each coordinate inside three standard deviations, silent sensors shaded",
+        file: "fusion.svg".into(),
+        caption: "Error of each coordinate inside three standard deviations, silent sensors shaded"
+            .into(),
         svg: marked(run, figure).render(),
     }
 }
@@ -78,8 +79,9 @@ fn biases(run: &Run, k: usize, record: &MethodRecord) -> FigureFile {
         figure = figure.panel(chart);
     }
     FigureFile {
-        file: "biases.svg",
-        caption: "Errors of the sensors as the method finds them, with two standard deviations",
+        file: "biases.svg".into(),
+        caption: "Errors of the sensors as the method finds them, with two standard deviations"
+            .into(),
         svg: marked(run, figure).render(),
     }
 }

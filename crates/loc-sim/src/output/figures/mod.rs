@@ -3,26 +3,29 @@
 mod clouds;
 mod errors;
 mod fusion;
+mod histogram;
 mod lines;
 mod map;
+mod moments;
 mod rail;
 mod resampling;
 
 use crate::record::Run;
+use std::borrow::Cow;
 
 /// A figure, ready to be written.
 #[derive(Debug, Clone)]
 pub struct FigureFile {
     /// Its file name.
-    pub file: &'static str,
+    pub file: Cow<'static, str>,
     /// What it shows, for people who cannot see it.
-    pub caption: &'static str,
+    pub caption: Cow<'static, str>,
     /// The SVG text.
     pub svg: String,
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 17] = [
+pub const NAMES: [&str; 18] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -40,6 +43,7 @@ pub const NAMES: [&str; 17] = [
     "lines.svg",
     "fusion.svg",
     "biases.svg",
+    "histogram.svg",
 ];
 
 /// The figures that suit a run.
@@ -52,6 +56,7 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     figures.extend(clouds::clouds(run));
     figures.extend(resampling::resampling(run));
     figures.extend(fusion::fusion(run));
+    figures.extend(histogram::histogram(run));
     if run.truth.is_empty() {
         return figures;
     }
