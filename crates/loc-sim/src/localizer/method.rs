@@ -4,6 +4,7 @@ use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
 use super::ekf_slam::EkfSlamMethod;
+use super::fastslam::FastSlamMethod;
 use super::kf_slam::KfSlamMethod;
 use super::landmark_mcl::SightMcl;
 use super::lateration::Lateration;
@@ -17,7 +18,7 @@ use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
 use loc_filters::slam::SlamSettings;
 use loc_pf::sensor::landmark::SightModel;
-use loc_pf::{LandmarkMclSettings, MclSettings};
+use loc_pf::{FastSlamSettings, LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
 
 /// A method that a run can use.
@@ -40,6 +41,8 @@ pub enum Method {
     KfSlam,
     /// The extended Kalman filter over robot and landmarks (I2 to I4).
     EkfSlam,
+    /// Particles that each draw a map of their own: FastSLAM 2.0 (I2 to I4).
+    FastSlam,
 }
 
 /// What the methods are told about the robot and its sensors.
@@ -60,6 +63,8 @@ pub struct MethodSettings {
     pub lateration: SlidingSettings,
     /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
     pub slam: SlamSettings,
+    /// For `fastslam`; what it shares with `ekf-slam`, it takes from there.
+    pub fastslam: FastSlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
     /// Seed of the methods that draw random numbers.
@@ -120,11 +125,35 @@ impl MethodSettings {
             ..self.slam
         }
     }
+
+    /// Settings of `fastslam`, with what all methods among landmarks are told.
+    pub fn fastslam(&self) -> FastSlamSettings {
+        let SlamSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            identities,
+            map,
+            ..
+        } = self.slam();
+        FastSlamSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            identities,
+            map,
+            ..self.fastslam
+        }
+    }
 }
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 8] = [
+    pub const ALL: [Method; 9] = [
         Method::DeadReckoning,
         Method::Lateration,
         Method::Kf,
@@ -133,6 +162,7 @@ impl Method {
         Method::Mcl,
         Method::KfSlam,
         Method::EkfSlam,
+        Method::FastSlam,
     ];
 
     /// The name, as the command line has it.
@@ -146,6 +176,7 @@ impl Method {
             Method::Mcl => "mcl",
             Method::KfSlam => "kf-slam",
             Method::EkfSlam => "ekf-slam",
+            Method::FastSlam => "fastslam",
         }
     }
 
@@ -156,7 +187,7 @@ impl Method {
 
     /// Whether it draws random numbers, so that its seed matters.
     pub fn draws(self) -> bool {
-        self == Method::Mcl
+        matches!(self, Method::Mcl | Method::FastSlam)
     }
 
     /// The method, ready to run on a source.
@@ -181,6 +212,7 @@ impl Method {
             Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
             Method::KfSlam => Box::new(KfSlamMethod::new(setup, settings)?),
             Method::EkfSlam => Box::new(EkfSlamMethod::new(setup, settings)?),
+            Method::FastSlam => Box::new(FastSlamMethod::new(setup, settings)?),
         })
     }
 }

@@ -8,6 +8,7 @@ mod driven;
 mod ekf;
 mod ekf_slam;
 mod estimated_map;
+mod fastslam;
 mod kf_slam;
 mod landmark_mcl;
 mod lateration;

@@ -1,6 +1,6 @@
 //! What the filters are told, in the units of configuration files.
 
-use super::{LandmarkMclConfig, LaterationConfig, SlamConfig};
+use super::{FastSlamConfig, LandmarkMclConfig, LaterationConfig, SlamConfig};
 use crate::Result;
 use crate::localizer::MethodSettings;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
@@ -35,6 +35,8 @@ pub struct FilterConfig {
     pub lateration: LaterationConfig,
     /// What SLAM is told beside.
     pub slam: SlamConfig,
+    /// What FastSLAM is told beside, and beside what SLAM is told.
+    pub fastslam: FastSlamConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
 }
@@ -55,6 +57,7 @@ impl FilterConfig {
             lateration: self.lateration.settings()?,
             line_matching,
             slam: self.slam.settings()?,
+            fastslam: self.fastslam.settings()?,
             global: self.global,
             ..MethodSettings::default()
         })

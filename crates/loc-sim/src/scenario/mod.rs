@@ -12,6 +12,7 @@
 //! ```
 
 pub mod builtin;
+mod fastslam;
 mod filter;
 mod landmark_mcl;
 mod lateration;
@@ -19,6 +20,7 @@ pub mod recording;
 mod shorthand;
 mod slam;
 
+pub use fastslam::FastSlamConfig;
 pub use filter::FilterConfig;
 pub use landmark_mcl::LandmarkMclConfig;
 pub use lateration::LaterationConfig;

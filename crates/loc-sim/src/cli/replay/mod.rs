@@ -112,6 +112,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     if let Some(threads) = global.threads {
         replay.settings.mcl.threads = threads;
         replay.settings.landmark_mcl.threads = threads;
+        replay.settings.fastslam.threads = threads;
     }
     let methods = match args.output.methods.as_slice() {
         [] => replay.methods.as_slice(),
