@@ -10,13 +10,31 @@ use std::path::Path;
 /// [`Error::Io`] with the path; what stood there before is left as it was.
 pub fn write_whole(path: impl AsRef<Path>, contents: impl AsRef<[u8]>) -> Result<()> {
     let path = path.as_ref();
+    write_beside(path, |part| {
+        fs::write(part, contents).map_err(|source| Error::Io { path: path.to_owned(), source })
+    })
+}
+
+/// Lets `write` fill a file beside `path`, which takes its place only once that has succeeded: a
+/// reader never sees half of it.
+///
+/// # Errors
+/// Those of `write`, and [`Error::Io`]; the file is then as it was.
+pub fn write_beside<T, E: From<Error>>(
+    path: impl AsRef<Path>,
+    write: impl FnOnce(&Path) -> std::result::Result<T, E>,
+) -> std::result::Result<T, E> {
+    let path = path.as_ref();
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", std::process::id()));
     let part = path.with_file_name(name);
-    let written = fs::write(&part, contents).and_then(|()| fs::rename(&part, path));
-    written.map_err(|source| {
+    let written = write(&part).and_then(|value| {
+        fs::rename(&part, path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        Ok(value)
+    });
+    if written.is_err() {
         // The neighbour may not even exist; the first error is the one to tell.
         let _ = fs::remove_file(&part);
-        Error::Io { path: path.to_owned(), source }
-    })
+    }
+    written
 }

@@ -97,6 +97,11 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
         &self.belief
     }
 
+    /// The states that are angles.
+    pub(crate) fn angles(&self) -> &'static [usize] {
+        self.angles
+    }
+
     /// Prediction: `x- = g(x, u)`, `S- = G_x S G_x^T + G_u S_u G_u^T + R`.
     ///
     /// # Errors

@@ -11,6 +11,7 @@ pub mod landmark;
 pub mod lateration;
 pub mod line_matching;
 pub mod slam;
+pub mod smoother;
 
 pub use error::{Error, Result};
 pub use extended::{ExtendedKalmanFilter, MeasurementModel, MotionModel};

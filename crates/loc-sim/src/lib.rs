@@ -3,12 +3,14 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 mod config;
+pub mod convert;
 pub mod demonstration;
 pub mod error;
 pub mod event;
 pub mod localizer;
 pub mod metrics;
 pub mod nav2;
+mod odometry;
 pub mod output;
 pub mod perceptual;
 pub mod probability_map;

@@ -1,7 +1,7 @@
 //! Runs several methods side by side over one stream of events.
 
 use crate::event::{Event, Measurement, Payload, Truth};
-use crate::localizer::{Localizer, Method, MethodSettings};
+use crate::localizer::{Judgement, Localizer, Method, MethodSettings, smoothed};
 use crate::record::{LineMoments, MethodRecord, Run, Snapshots};
 use crate::source::{Setup, Source};
 use crate::{Error, Result};
@@ -105,6 +105,7 @@ pub fn run_watched(
     watcher: &mut dyn Watcher,
 ) -> Result<Run> {
     let setup = source.setup().clone();
+    let mut tape = Tape::of(methods, settings);
     let mut runners = Vec::with_capacity(methods.len());
     for &method in methods {
         runners.push(Runner::new(method, &setup, settings)?);
@@ -114,6 +115,7 @@ pub fn run_watched(
     let (mut stamps, mut truth): (Vec<f64>, Vec<Stamped<Truth>>) = Default::default();
     while let Some(event) = source.next_event()? {
         watcher.event(&event)?;
+        tape.keep(&event);
         runners.iter_mut().try_for_each(|runner| runner.take(&event))?;
         let due = stamps.last().map_or(setup.start, |last| last + PERIOD);
         if !samples_at(&event) || event.stamp < due - ROUNDING {
@@ -133,7 +135,8 @@ pub fn run_watched(
         return Err(Error::NoTruth { source_name: setup.name });
     }
     let notes = source.notes();
-    let methods = runners.into_iter().map(Runner::finish).collect::<Result<_>>()?;
+    let mut methods: Vec<_> = runners.into_iter().map(Runner::finish).collect::<Result<_>>()?;
+    methods.extend(tape.smoothed(&setup, settings, &stamps, &methods)?);
     Ok(Run {
         setup,
         settings: settings.clone(),
@@ -154,6 +157,61 @@ fn is_scan(event: &Event) -> bool {
     matches!(event.payload, Payload::Measurement(Measurement::Scan { .. }))
 }
 
+/// The events that are kept for smoothing, where that is wanted.
+struct Tape {
+    methods: Vec<Method>,
+    events: Vec<Event>,
+}
+
+impl Tape {
+    fn of(methods: &[Method], settings: &MethodSettings) -> Self {
+        let wanted =
+            methods.iter().copied().filter(|method| settings.smooth && method.can_smooth());
+        Tape { methods: wanted.collect(), events: Vec::new() }
+    }
+
+    fn keep(&mut self, event: &Event) {
+        if !self.methods.is_empty() && smoothed::is_input(event) {
+            self.events.push(event.clone());
+        }
+    }
+
+    /// A further record for each method that can be smoothed. Its measurements are those of the
+    /// filter's, whose innovations are no longer its own.
+    fn smoothed(
+        &self,
+        setup: &Setup,
+        settings: &MethodSettings,
+        stamps: &[f64],
+        records: &[MethodRecord],
+    ) -> Result<Vec<MethodRecord>> {
+        let mut all = Vec::with_capacity(self.methods.len());
+        for &method in &self.methods {
+            let started = Instant::now();
+            let estimates = smoothed::smoothed(method, setup, settings, &self.events, stamps)?;
+            let runtime = started.elapsed().as_secs_f64();
+            let filter = records.iter().find(|record| record.method == method);
+            let judged = filter.into_iter().flat_map(|record| &record.judgements);
+            let judgements = judged.map(|judgement| Stamped {
+                stamp: judgement.stamp,
+                value: Judgement { accepted: judgement.value.accepted, ..Judgement::REFUSED },
+            });
+            all.push(MethodRecord {
+                method,
+                smoothed: true,
+                estimates,
+                judgements: judgements.collect(),
+                snapshots: Snapshots::new(setup.kidnapped_at),
+                lines: LineMoments::new(setup.start, setup.end),
+                map: None,
+                updates: self.events.len(),
+                runtime,
+            });
+        }
+        Ok(all)
+    }
+}
+
 /// One method with its record and its stopwatch.
 struct Runner {
     localizer: Box<dyn Localizer>,
@@ -165,6 +223,7 @@ impl Runner {
         let localizer = method.start(setup, settings)?;
         let record = MethodRecord {
             method,
+            smoothed: false,
             estimates: Vec::new(),
             judgements: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),

@@ -43,6 +43,18 @@ impl<const N: usize, const U: usize> LinearMotion<N, U> {
     }
 }
 
+impl<const N: usize, const U: usize> LinearMotion<N, U> {
+    /// How the state alone moves on, A (N x N).
+    pub fn transition(&self) -> &SMatrix<f64, N, N> {
+        &self.a
+    }
+
+    /// What a step adds to the covariance, `B S_u B^T + R` (N x N).
+    pub fn noise(&self) -> &SMatrix<f64, N, N> {
+        &self.noise
+    }
+}
+
 impl<const N: usize, const M: usize> LinearMeasurement<N, M> {
     /// A sensor from C (M x N) and the covariance of its noise, Q (M x M).
     ///

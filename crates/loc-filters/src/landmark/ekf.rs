@@ -40,8 +40,13 @@ impl LandmarkEkf {
     pub fn predict(&mut self, twist: Twist2, dt: f64) -> Result<()> {
         crate::innovation::finite("velocity", &twist.to_vector())?;
         loc_core::error::non_negative("time step [s]", dt)?;
+        self.filter.predict(&self.motion(twist, dt))
+    }
+
+    /// The motion of a prediction.
+    pub(super) fn motion(&self, twist: Twist2, dt: f64) -> VelocityMotion {
         let LandmarkSettings { integration, motion_noise: noise, .. } = self.settings;
-        self.filter.predict(&VelocityMotion { twist, dt, integration, noise })
+        VelocityMotion { twist, dt, integration, noise }
     }
 
     /// Corrects with one sighting. Several of one moment are given one after the other; each is

@@ -24,9 +24,11 @@ mod localizer;
 mod models;
 mod outcome;
 mod settings;
+mod smoother;
 
 pub use ekf::LandmarkEkf;
 pub use localizer::LandmarkLocalizer;
 pub use models::{BearingModel, RangeBearingModel, RangeModel, VelocityMotion};
 pub use outcome::{Outcome, Verdict};
 pub use settings::LandmarkSettings;
+pub use smoother::LandmarkSmoother;

@@ -11,3 +11,4 @@ mod landmark;
 mod lateration;
 mod line_matching;
 mod slam;
+mod smoother;

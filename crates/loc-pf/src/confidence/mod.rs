@@ -109,6 +109,11 @@ impl LostMonitor {
         self.probability
     }
 
+    /// The same as log odds, `ln(P / (1 - P))`.
+    pub fn log_odds(&self) -> f64 {
+        log_odds(self.probability)
+    }
+
     /// Takes in an update of the filter and returns the probability of being lost: how the scan
     /// fits (`None` for an update without one), and the share of the belief near the reported pose
     /// ([`Tolerance::support`]).

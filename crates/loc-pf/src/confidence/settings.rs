@@ -64,8 +64,8 @@ impl LostSettings {
         Ok(())
     }
 
-    /// By how much a scan shifts the log odds of a wrong belief.
-    pub(super) fn shift(&self, scan: &ScanFit<'_>) -> f64 {
+    /// By how much a scan shifts the log odds of a wrong belief, see [`crate::confidence`].
+    pub fn shift(&self, scan: &ScanFit<'_>) -> f64 {
         let [blocked, near] = [scan.blocked, scan.near].map(|share| (share / STRAY).ln_1p());
         self.bias - self.margin_weight * scan.margin()
             + self.blocked_weight * blocked

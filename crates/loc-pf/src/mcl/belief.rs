@@ -69,7 +69,7 @@ impl Belief {
         let is_lost = self.is_looking();
         self.has_seen = true;
         let found = if is_lost { self.look_everywhere(map, scan, endpoints) } else { None };
-        let (report, mut searched) = match found {
+        let (report, searched) = match found {
             Some(found) => {
                 *self.filter.particles_mut() = found.cloud;
                 (TemperingReport { stages: 1, log_evidence: found.log_evidence }, true)
@@ -77,7 +77,7 @@ impl Belief {
             None => (self.track(step, scan), false),
         };
         if !is_lost {
-            searched |= self.suspect(report.log_evidence, scan, endpoints, map);
+            self.suspect(report.log_evidence, endpoints.len());
             self.inject(report.log_evidence, map);
         }
         let TemperingReport { stages, log_evidence } = report;
@@ -91,10 +91,7 @@ impl Belief {
             Some(tempering) => {
                 let count = self.filter.count_needed(&mut self.kld);
                 let report = tempering.update(&mut self.filter, step, scan, count);
-                // A cloud that outgrew its need, after a search, say.
-                if self.filter.particles().len() > 2 * count {
-                    self.filter.resample(self.resampling, count);
-                }
+                self.shrink(count);
                 report
             }
             None => {
@@ -112,27 +109,26 @@ impl Belief {
         }
     }
 
-    /// Looks elsewhere if the scan makes that worth it; says whether it did.
-    fn suspect(
-        &mut self,
-        log_evidence: f64,
-        scan: &Observation<'_>,
-        endpoints: &Endpoints,
-        map: &Surroundings,
-    ) -> bool {
-        let Some(mut suspicion) = self.suspicion else { return false };
-        let beams = self.independent_beams.min(endpoints.len() as f64);
-        suspicion.update(log_evidence, beams);
-        let alarmed = suspicion.is_alarmed();
-        if alarmed && let Some(found) = self.look_everywhere(map, scan, endpoints) {
-            let probability = suspicion.judge(found.log_evidence, log_evidence, beams);
-            if suspicion.is_worth_following() {
-                self.mix_in(&found.cloud, probability);
-                suspicion.clear();
-            }
+    /// Takes in what the scan says about the robot's being elsewhere.
+    fn suspect(&mut self, log_evidence: f64, beams: usize) {
+        let beams = self.independent_beams.min(beams as f64);
+        if let Some(suspicion) = &mut self.suspicion {
+            suspicion.update(log_evidence, beams);
         }
-        self.suspicion = Some(suspicion);
-        alarmed
+    }
+
+    /// Moves and weighs the present cloud, which a search has found.
+    pub(super) fn track_elsewhere(&mut self, step: &Step, scan: &Observation<'_>) {
+        let count = self.filter.count_needed(&mut self.kld);
+        self.everywhere.update(&mut self.filter, step, scan, count);
+        self.shrink(count);
+    }
+
+    /// Draws fewer particles where a cloud has outgrown its need, after a search, say.
+    fn shrink(&mut self, count: usize) {
+        if self.filter.particles().len() > 2 * count {
+            self.filter.resample(self.resampling, count);
+        }
     }
 
     /// Replaces as many particles by random ones as the running averages call for.

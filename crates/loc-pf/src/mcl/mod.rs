@@ -25,6 +25,8 @@
 //! ```
 
 mod belief;
+mod challenger;
+mod elsewhere;
 mod field;
 mod observation;
 #[cfg(feature = "serde")]
@@ -50,6 +52,7 @@ use crate::estimate::Clusterer;
 use crate::motion::DrivenPath;
 use crate::{Estimate, Particles, Result};
 use belief::Belief;
+use challenger::Challenger;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Pose2};
 use loc_maps::OccupancyGrid;
@@ -69,6 +72,8 @@ pub struct Mcl {
     estimate: Estimate,
     rater: ScanRater,
     monitor: LostMonitor,
+    /// Where else the robot may be, after a search.
+    challenger: Option<Challenger>,
 }
 
 impl Mcl {
@@ -96,6 +101,7 @@ impl Mcl {
             estimate,
             rater,
             monitor,
+            challenger: None,
         };
         mcl.start_anywhere();
         Ok(mcl)

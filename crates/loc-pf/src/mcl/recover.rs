@@ -9,14 +9,16 @@ use std::f64::consts::TAU;
 
 /// Standard deviations around a place that a search found \[m, m, rad\]: its grid of poses is
 /// about as coarse.
-const SPREAD: [f64; 3] = [0.1, 0.1, 0.035];
+pub(super) const SPREAD: Spread = Spread([0.1, 0.1, 0.035]);
 
-/// Particles around a place as drawn from a normal distribution.
-struct Spread;
+/// Particles around a place as drawn from a normal distribution, by its standard deviations
+/// \[m, m, rad\].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spread(pub(super) [f64; 3]);
 
 impl Transport for Spread {
     fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
-        let [x, y, theta] = SPREAD;
+        let [x, y, theta] = self.0;
         Pose2::new(pose.x + x * noise[0], pose.y + y * noise[1], pose.theta + theta * noise[2])
     }
 }
@@ -30,25 +32,35 @@ pub(super) struct Elsewhere {
 }
 
 impl Belief {
-    /// The places of the map where a scan fits; `None` where no place does, or no beam says
-    /// anything, and without a search.
+    /// Where the robot may be by a scan at a start from nowhere; `None` where no place fits, or no
+    /// beam says anything, and without a search.
     pub(super) fn look_everywhere(
         &mut self,
         map: &Surroundings,
         scan: &impl Likelihood,
         endpoints: &Endpoints,
     ) -> Option<Elsewhere> {
-        let places = map.search.as_ref()?.search(endpoints).ok()?;
+        self.spread_over(&map.places(endpoints), SPREAD, map, scan)
+    }
+
+    /// A cloud about some places, weighed by a scan; the filter's own stays as it is.
+    pub(super) fn spread_over(
+        &mut self,
+        places: &[Pose2],
+        spread: Spread,
+        map: &Surroundings,
+        scan: &impl Likelihood,
+    ) -> Option<Elsewhere> {
         if places.is_empty() {
             return None;
         }
         let count = self.most_particles.max(places.len());
-        let around = places.iter().cycle().take(count).map(|place| place.pose);
+        let around = places.iter().cycle().take(count).copied();
         let here = std::mem::replace(self.filter.particles_mut(), Particles::from_poses(around));
-        let report = self.everywhere.update(&mut self.filter, &Spread, scan, count);
+        let report = self.everywhere.update(&mut self.filter, &spread, scan, count);
         let cloud = std::mem::replace(self.filter.particles_mut(), here);
         // Each place stands for the volume of its spread, the map for all of its free space.
-        let volume = places.len() as f64 * TAU.powf(1.5) * SPREAD.iter().product::<f64>();
+        let volume = places.len() as f64 * TAU.powf(1.5) * spread.0.iter().product::<f64>();
         let log_evidence = report.log_evidence + (volume / (map.free_space.area() * TAU)).ln();
         Some(Elsewhere { cloud, log_evidence })
     }
@@ -64,4 +76,12 @@ impl Belief {
         }
         cloud.normalize();
     }
+}
+
+/// How well a scan fits at a cloud: the mean of its log-likelihoods \[nats\].
+pub(super) fn fit(scan: &impl Likelihood, cloud: &Particles) -> f64 {
+    let mut ratings = vec![0.0; cloud.len()];
+    scan.rate(cloud.poses(), &mut ratings);
+    let pairs = ratings.iter().zip(cloud.weights()).filter(|(_, weight)| *weight > 0.0);
+    pairs.map(|(rating, weight)| rating * weight).sum()
 }

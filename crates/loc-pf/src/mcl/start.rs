@@ -38,7 +38,7 @@ impl Mcl {
     fn restart(&mut self, cloud: Particles, start: Option<Gaussian<3>>) {
         let belief = &mut self.belief;
         *belief.filter.particles_mut() = cloud;
-        (self.path, self.start) = (None, start);
+        (self.path, self.start, self.challenger) = (None, start, None);
         (belief.has_seen, belief.is_anywhere) = (false, start.is_none());
         belief.updates_since_resampling = 0;
         belief.suspicion.iter_mut().for_each(Suspicion::clear);

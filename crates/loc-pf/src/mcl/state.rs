@@ -1,6 +1,7 @@
 //! What a filter knows, to be kept over a restart of the robot.
 
 use super::Mcl;
+use super::challenger::Challenger;
 use crate::confidence::LostMonitor;
 use crate::motion::DrivenPath;
 use crate::recovery::{AugmentedMcl, Suspicion};
@@ -23,6 +24,7 @@ pub struct MclState {
     suspicion: Option<Suspicion>,
     augmented: Option<AugmentedMcl>,
     monitor: LostMonitor,
+    challenger: Option<Challenger>,
 }
 
 impl Mcl {
@@ -40,6 +42,7 @@ impl Mcl {
             suspicion: belief.suspicion,
             augmented: belief.augmented,
             monitor: self.monitor,
+            challenger: self.challenger.clone(),
         }
     }
 
@@ -63,6 +66,7 @@ impl Mcl {
         belief.updates_since_resampling = state.updates_since_resampling;
         (belief.suspicion, belief.augmented) = (state.suspicion, state.augmented);
         self.monitor = state.monitor;
+        self.challenger = state.challenger;
         self.estimate = self.clusterer.estimate(belief.filter.particles());
         Ok(())
     }

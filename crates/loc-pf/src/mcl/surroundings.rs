@@ -7,6 +7,7 @@ use crate::global::{GlobalSearch, SearchSettings};
 use crate::novelty::{BeliefSample, by_field};
 use crate::sensor::{BeamLikelihood, FieldLikelihood, SumOfCubes};
 use crate::{Particles, Result};
+use loc_core::Pose2;
 use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
 use loc_maps::{LikelihoodField, OccupancyGrid, RayCaster};
 
@@ -21,7 +22,7 @@ pub(super) struct Surroundings {
 }
 
 /// Places that a search answers with.
-const PLACES: usize = 24;
+const PLACES: usize = 64;
 
 /// Poses that stand for the cloud when beams are filtered.
 const SAMPLE: usize = 64;
@@ -35,6 +36,13 @@ impl Surroundings {
         let search = settings.recovery.search.then(|| search(map, &field)).transpose()?;
         let field = LikelihoodField::new(map, &field)?;
         Ok(Surroundings { free_space, field, caster: casts.then(|| RayCaster::new(map)), search })
+    }
+
+    /// Where a scan fits best, over the whole map; none without a search, or for a scan that says
+    /// nothing.
+    pub(super) fn places(&self, endpoints: &Endpoints) -> Vec<Pose2> {
+        let found = self.search.as_ref().and_then(|search| search.search(endpoints).ok());
+        found.into_iter().flatten().map(|place| place.pose).collect()
     }
 
     /// The chosen beams without those that a filter against people drops (K3), for a robot at
@@ -98,7 +106,7 @@ fn search(map: &OccupancyGrid, field: &LikelihoodFieldSettings) -> Result<Global
         candidates: PLACES,
         separation_distance: 0.5,
         separation_angle: 15_f64.to_radians(),
-        within: 0.3,
+        within: 0.5,
         refine: false,
         ..SearchSettings::default()
     };

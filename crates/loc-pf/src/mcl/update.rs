@@ -100,11 +100,12 @@ impl Mcl {
         let (fit, support) = workers
             .both(|| rater.rate_by(workers, pose, scans), || tolerance.support(particles, pose));
         self.monitor.update(fit, support);
-        Ok(report)
+        let searched = report.searched || self.challenge(&step, scans)?;
+        Ok(UpdateReport { searched, ..report })
     }
 
     /// The beams without those that a filter against people drops.
-    fn familiar(
+    pub(super) fn familiar(
         &self,
         step: &Step,
         scans: &[MountedScan<'_>],
@@ -119,7 +120,7 @@ impl Mcl {
     }
 
     /// The ends of beams without those that the settings let be skipped.
-    fn agreeing(&self, step: &Step, endpoints: Endpoints) -> Endpoints {
+    pub(super) fn agreeing(&self, step: &Step, endpoints: Endpoints) -> Endpoints {
         match self.settings.sensor {
             SensorSettings::LikelihoodField(FieldSettings { beam_skip: Some(skip), .. }) => {
                 skip.apply(&self.surroundings.field, self.predicted(step).poses(), &endpoints)

@@ -16,8 +16,6 @@ pub struct SuspicionSettings {
     pub adaptation: f64,
     /// Extent of a place in the space of poses \[m^2 rad\]: about what a sharp scan leaves.
     pub place: f64,
-    /// From this probability on, what a search found is followed beside the cloud.
-    pub follow: f64,
     /// The most updates to wait after a search that found nothing better.
     pub longest_pause: u32,
 }
@@ -29,7 +27,6 @@ impl Default for SuspicionSettings {
             alarm: 0.1,
             adaptation: 0.05,
             place: 0.01,
-            follow: 0.005,
             longest_pause: 16,
         }
     }
@@ -44,7 +41,6 @@ impl SuspicionSettings {
         probability("rate of kidnappings", self.rate)?;
         let share = |v: f64| v > 0.0 && v < 1.0;
         let expected = "a probability above 0 and below 1";
-        in_range("follow of the suspicion", expected, self.follow, share)?;
         in_range("alarm of the suspicion", expected, self.alarm, share)?;
         probability("adaptation of the usual evidence", self.adaptation)?;
         positive("extent of a place [m^2 rad]", self.place)?;
@@ -149,36 +145,19 @@ impl Suspicion {
         self.waiting == 0 && (doubtful || self.probability() >= self.settings.alarm)
     }
 
-    /// Whether what the last search found is to be followed.
-    pub fn is_worth_following(&self) -> bool {
-        self.probability() >= self.settings.follow
-    }
-
-    /// A search rated the places of the map: `log_evidence_elsewhere` is the logarithm of the mean
-    /// likelihood of the scan over the whole map, `log_evidence` that over the cloud, both of
-    /// `beams` independent beams. Returns the probability of being elsewhere by this; what was only
-    /// expected before counts no more.
-    ///
-    /// A scan that fits its best place clearly worse than scans usually do is one of a crowd, or of
-    /// something else that is not on the map: it proves nothing. A search that finds nothing better
-    /// makes the next one wait, longer from time to time.
-    pub fn judge(&mut self, log_evidence_elsewhere: f64, log_evidence: f64, beams: f64) -> f64 {
-        let prior = self.settings.rate;
-        let odds = (prior / (1.0 - prior)).ln() + log_evidence_elsewhere - log_evidence;
-        let at_its_best = (log_evidence_elsewhere + self.log_places) / beams;
-        let fits = at_its_best >= self.usual.max(self.least) - self.tolerance;
-        self.log_odds = if fits && !odds.is_nan() { odds.clamp(-SUREST, SUREST) } else { -SUREST };
-        let probability = self.probability();
-        if probability < self.settings.follow {
+    /// A search, or what it found, came to nothing: the suspicion is dropped, and the next search
+    /// waits, longer from time to time. Where the robot is lost in any case, it does not wait.
+    pub fn put_off(&mut self, is_lost: bool) {
+        self.log_odds = -SUREST;
+        if is_lost {
+            (self.pause, self.waiting) = (1, 1);
+        } else {
             self.waiting = self.pause;
             self.pause = (2 * self.pause).min(self.settings.longest_pause);
-        } else {
-            self.pause = 1;
         }
-        probability
     }
 
-    /// No suspicion any more: the cloud covers the places that were suspected.
+    /// No suspicion any more: the cloud is where it was suspected to be missing.
     pub fn clear(&mut self) {
         (self.log_odds, self.pause, self.waiting) = (-SUREST, 1, 4);
         self.recent = self.expected;

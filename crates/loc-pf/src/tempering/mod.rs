@@ -84,7 +84,7 @@ impl Tempering {
         let workers = &filter.workers().clone();
         self.load(workers, filter.particles());
         filter.for_each_part(&mut self.parts, |part, rng| part.draw(step, measurement, rng));
-        let (mut exponent, mut stride) = (0.0, 0.6);
+        let (mut exponent, mut stride) = (0.0, 1.0);
         let mut report = TemperingReport { stages: 1, log_evidence: 0.0 };
         loop {
             let share = if report.stages < self.settings.most_stages {
@@ -98,17 +98,58 @@ impl Tempering {
                 break;
             }
             self.resample(filter, count);
-            let accepted = AtomicUsize::new(0);
-            let walk = Walk { exponent, stride };
-            filter.for_each_part(&mut self.parts, |part, rng| {
-                accepted.fetch_add(part.walk(step, measurement, walk, rng), Ordering::Relaxed);
-            });
-            let rate = accepted.into_inner() as f64 / count.max(1) as f64;
-            stride = (stride * (1.0 + rate - self.settings.acceptance)).clamp(0.01, 0.95);
+            self.walk(filter, step, measurement, (exponent, &mut stride), count);
             report.stages += 1;
         }
         self.store(filter);
         report
+    }
+
+    /// Lets particles walk through the noise until enough of them have moved: those that resampling
+    /// made the same must part again, or the cloud would be smaller than it looks.
+    ///
+    /// Strides are in proportion to the spread of the noise that the measurement has left, in each
+    /// of its coordinates; their scale follows the share of strides that is accepted.
+    fn walk(
+        &mut self,
+        filter: &mut ParticleFilter,
+        step: &impl Transport,
+        measurement: &impl Likelihood,
+        (exponent, scale): (f64, &mut f64),
+        count: usize,
+    ) {
+        let spread = self.spread_of_noise();
+        let mut moved = 0.0;
+        for _ in 0..self.settings.most_strides {
+            let strides = spread.map(|spread| (*scale * spread).clamp(0.01, 0.95));
+            let accepted = AtomicUsize::new(0);
+            filter.for_each_part(&mut self.parts, |part, rng| {
+                let walk = Walk { exponent, strides };
+                accepted.fetch_add(part.walk(step, measurement, walk, rng), Ordering::Relaxed);
+            });
+            let rate = accepted.into_inner() as f64 / count.max(1) as f64;
+            *scale = (*scale * (3.0 * (rate - self.settings.acceptance)).exp()).clamp(1e-3, 1e3);
+            moved += rate;
+            if moved >= self.settings.moves {
+                break;
+            }
+        }
+    }
+
+    /// Standard deviations of the numbers behind the particles.
+    fn spread_of_noise(&self) -> [f64; 4] {
+        let (mut sums, mut squares, mut count) = ([0.0; 4], [0.0; 4], 0.0_f64);
+        for noise in self.parts.iter().flat_map(|part| &part.noise) {
+            for k in 0..4 {
+                sums[k] += noise[k];
+                squares[k] += noise[k] * noise[k];
+            }
+            count += 1.0;
+        }
+        std::array::from_fn(|k| {
+            let mean = sums[k] / count.max(1.0);
+            (squares[k] / count.max(1.0) - mean * mean).max(0.0).sqrt()
+        })
     }
 
     /// Cuts a cloud into parts.

@@ -24,8 +24,8 @@ pub(super) struct Part {
 pub(super) struct Walk {
     /// Share of the measurement that has been taken in.
     pub(super) exponent: f64,
-    /// Standard deviation of a stride, in (0, 1).
-    pub(super) stride: f64,
+    /// Standard deviations of a stride, in (0, 1).
+    pub(super) strides: [f64; 4],
 }
 
 impl Part {
@@ -76,11 +76,11 @@ impl Part {
         walk: Walk,
         rng: &mut ChaCha8Rng,
     ) -> usize {
-        let keep = (1.0 - walk.stride * walk.stride).sqrt();
+        let keep = walk.strides.map(|stride| (1.0 - stride * stride).sqrt());
         self.trial_noise.clear();
         self.trial_noise.extend(self.noise.iter().map(|noise| {
             let fresh = normals(rng);
-            std::array::from_fn(|k| keep * noise[k] + walk.stride * fresh[k])
+            std::array::from_fn(|k| keep[k] * noise[k] + walk.strides[k] * fresh[k])
         }));
         place(&self.parents, &self.trial_noise, step, &mut self.trial);
         rate(&mut self.trial, measurement);

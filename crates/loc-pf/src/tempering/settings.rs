@@ -1,7 +1,7 @@
 //! Settings of the tempered update.
 
 use crate::Result;
-use loc_core::error::in_range;
+use loc_core::error::{in_range, positive};
 
 /// Settings of [`Tempering`](crate::Tempering).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,13 +13,23 @@ pub struct TemperingSettings {
     pub effective_share: f64,
     /// The most stages of an update; the last one takes in what is left.
     pub most_stages: usize,
-    /// The share of the walks that should be accepted, in (0, 1); their length follows it.
+    /// The share of the strides that should be accepted, in (0, 1); their length follows it.
     pub acceptance: f64,
+    /// Particles walk on until there are so many accepted strides to each of them on the average ..
+    pub moves: f64,
+    /// .. but so many strides at the most.
+    pub most_strides: usize,
 }
 
 impl Default for TemperingSettings {
     fn default() -> Self {
-        TemperingSettings { effective_share: 0.5, most_stages: 20, acceptance: 0.35 }
+        TemperingSettings {
+            effective_share: 0.5,
+            most_stages: 20,
+            acceptance: 0.35,
+            moves: 0.5,
+            most_strides: 10,
+        }
     }
 }
 
@@ -33,6 +43,9 @@ impl TemperingSettings {
         let expected = "a share above 0 and below 1";
         in_range("effective_share of a stage", expected, self.effective_share, share)?;
         in_range("acceptance of the walks", expected, self.acceptance, share)?;
+        positive("moves of a stage", self.moves)?;
+        let strides = self.most_strides as f64;
+        in_range("most_strides", "at least 1", strides, |v| v >= 1.0)?;
         let stages = self.most_stages as f64;
         in_range("most_stages", "at least 1", stages, |v| v >= 1.0)?;
         Ok(())

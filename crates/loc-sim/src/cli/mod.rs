@@ -1,5 +1,6 @@
 //! The command `loc-sim`: one module per subcommand.
 
+pub mod convert;
 pub mod eval;
 pub mod fit_beam;
 pub mod info;
@@ -47,6 +48,7 @@ enum Command {
     Run(run::RunArgs),
     Replay(Box<replay::ReplayArgs>),
     Info(info::InfoArgs),
+    Convert(convert::ConvertArgs),
     Eval(eval::EvalArgs),
     Map(map::MapArgs),
     Sense(sense::SenseArgs),
@@ -66,6 +68,7 @@ impl Cli {
             Some(Command::Run(args)) => run::run(args, &self.global),
             Some(Command::Replay(args)) => replay::replay(args, &self.global),
             Some(Command::Info(args)) => info::info(args, &self.global),
+            Some(Command::Convert(args)) => convert::convert(args, &self.global),
             Some(Command::Eval(args)) => eval::run(args, &self.global),
             Some(Command::Map(args)) => map::map(args, &self.global),
             Some(Command::Sense(args)) => sense::sense(args, &self.global),

@@ -58,6 +58,11 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
         return show_illustration(&illustration, &scenario, &args.output, global);
     }
     let methods = &args.output.methods;
+    if args.output.smooth {
+        scenario.filter.get_or_insert_default().smooth = true;
+        let own = scenario.method_list()?;
+        args.output.check_smoothing(if methods.is_empty() { &own } else { methods })?;
+    }
     let mut progress = Progress::new(&scenario.name, global);
     let methods = (!methods.is_empty()).then_some(methods.as_slice());
     let mut tell = |share| progress.tell(share);
@@ -65,7 +70,7 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     let mut recorder = args.output.recorder()?;
     let mut watcher = Both(&mut filming, &mut recorder);
     let mut run = scenario.run_watched(Some(seed), methods, &mut watcher)?;
-    recorder.map_or(Ok(()), McapRecorder::finish)?;
+    recorder.map(McapRecorder::finish).transpose()?;
     run.film = Some(filming.film);
     progress.finish();
     let finished = Finished {

@@ -7,7 +7,7 @@ use crate::output::mcap::McapRecorder;
 use crate::output::{self, Illustration};
 use crate::record::Run;
 use crate::scenario::Scenario;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 
 /// The options that `run` and `replay` share.
@@ -25,6 +25,9 @@ pub struct OutputArgs {
     /// An MCAP file of ROS 2 to write beside the folder: map, scans, frames, poses, particles.
     #[arg(long, value_name = "FILE")]
     pub mcap: Option<PathBuf>,
+    /// Smooth the estimates of Kalman filters after the run, and show these as well.
+    #[arg(long)]
+    pub smooth: bool,
     /// The folder to write; out/NAME where left out.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -90,6 +93,21 @@ pub(super) fn command() -> String {
 }
 
 impl OutputArgs {
+    /// Refuses to smooth where there is nothing to.
+    pub(super) fn check_smoothing(&self, methods: &[Method]) -> anyhow::Result<()> {
+        if !self.smooth || methods.iter().any(|method| method.can_smooth()) {
+            return Ok(());
+        }
+        let all = Method::ALL.into_iter().filter(|method| method.can_smooth());
+        let expected: Vec<&str> = all.map(Method::name).collect();
+        let found: Vec<&str> = methods.iter().map(|method| method.name()).collect();
+        bail!(
+            "--smooth: expected a Kalman filter among the methods ({}), got {}",
+            expected.join(", "),
+            found.join(", ")
+        )
+    }
+
     /// The recorder of the MCAP file, where one is wanted.
     pub(super) fn recorder(&self) -> crate::Result<Option<McapRecorder>> {
         self.mcap.as_deref().map(McapRecorder::create).transpose()

@@ -82,10 +82,13 @@ fn prepare(args: &StudyArgs) -> anyhow::Result<Study> {
         vary,
         methods: args.output.methods.clone(),
         align: args.output.align,
+        smooth: args.output.smooth,
         success: args.success.clone().unwrap_or_default(),
         program: program(),
     };
-    Ok(Study::new(source, options)?)
+    let study = Study::new(source, options)?;
+    args.output.check_smoothing(study.methods())?;
+    Ok(study)
 }
 
 /// Does the runs that are missing.

@@ -67,6 +67,9 @@ pub struct MethodSettings {
     pub fastslam: FastSlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
+    /// Whether the estimates of Kalman filters are smoothed after the run, beside those that they
+    /// had during it.
+    pub smooth: bool,
     /// Seed of the methods that draw random numbers.
     pub seed: u64,
 }
@@ -188,6 +191,11 @@ impl Method {
     /// Whether it draws random numbers, so that its seed matters.
     pub fn draws(self) -> bool {
         matches!(self, Method::Mcl | Method::FastSlam)
+    }
+
+    /// Whether its estimates can be smoothed after the run.
+    pub fn can_smooth(self) -> bool {
+        matches!(self, Method::Kf | Method::Ekf)
     }
 
     /// The method, ready to run on a source.

@@ -16,6 +16,7 @@ mod line_ekf;
 mod mcl;
 mod method;
 mod rail;
+pub(crate) mod smoothed;
 mod whitened;
 
 pub use cloud::Cloud;

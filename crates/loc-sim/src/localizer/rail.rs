@@ -43,29 +43,49 @@ impl RailFilter {
         })
     }
 
-    /// Drives on to a time \[s\]: A = [[1, T], [0, 1]], B = (0, T).
+    /// Drives on to a time \[s\].
     fn drive_to(&mut self, stamp: f64) -> Result<()> {
         let dt = stamp - self.stamp;
         if dt <= 0.0 {
             return Ok(());
         }
-        let variance = self.settings.acceleration_sigma.powi(2);
-        let motion = LinearMotion::new(
-            Matrix2::new(1.0, dt, 0.0, 1.0),
-            Matrix2x1::new(0.0, dt),
-            Matrix1::new(variance),
-            Matrix2::zeros(),
-        )?;
+        let motion = motion(&self.settings, dt)?;
         self.filter.predict(&motion, &Vector1::new(self.acceleration))?;
         self.stamp = stamp;
         Ok(())
     }
 
-    fn measure(&mut self, sensor: usize, position: f64) -> Result<Innovation<1>> {
-        // A sensor without a sigma of its own does not come out of a checked scenario.
-        let sigma = self.settings.sensor_sigmas.get(sensor).copied().unwrap_or(f64::MAX.sqrt());
-        let sensor = LinearMeasurement::new(Matrix1x2::new(1.0, 0.0), Matrix1::new(sigma * sigma))?;
+    fn measure(&mut self, index: usize, position: f64) -> Result<Innovation<1>> {
+        let sensor = sensor(&self.settings, index)?;
         Ok(self.filter.correct(&sensor, &Vector1::new(position), &Gate::OPEN)?)
+    }
+}
+
+/// A step of `dt` \[s\]: A = [[1, T], [0, 1]], B = (0, T).
+pub(super) fn motion(settings: &RailSettings, dt: f64) -> Result<LinearMotion<2, 1>> {
+    Ok(LinearMotion::new(
+        Matrix2::new(1.0, dt, 0.0, 1.0),
+        Matrix2x1::new(0.0, dt),
+        Matrix1::new(settings.acceleration_sigma.powi(2)),
+        Matrix2::zeros(),
+    )?)
+}
+
+/// The sensor with this index, counted from 0.
+pub(super) fn sensor(settings: &RailSettings, index: usize) -> Result<LinearMeasurement<2, 1>> {
+    // A sensor without a sigma of its own does not come out of a checked scenario.
+    let sigma = settings.sensor_sigmas.get(index).copied().unwrap_or(f64::MAX.sqrt());
+    Ok(LinearMeasurement::new(Matrix1x2::new(1.0, 0.0), Matrix1::new(sigma * sigma))?)
+}
+
+/// A belief about position and speed as a pose on the x axis.
+pub(super) fn estimate(belief: Gaussian<2>) -> Estimate {
+    let mut covariance = Matrix3::zeros();
+    covariance[(0, 0)] = belief.covariance[(0, 0)];
+    Estimate {
+        pose: Pose2::new(belief.mean.x, 0.0, 0.0),
+        covariance: Some(covariance),
+        rail: Some(belief),
     }
 }
 
@@ -99,13 +119,6 @@ impl Localizer for RailFilter {
     fn estimate(&self, stamp: f64) -> Result<Estimate> {
         let mut ahead = RailFilter { settings: self.settings.clone(), ..*self };
         ahead.drive_to(stamp)?;
-        let belief: Gaussian<2> = *ahead.filter.belief();
-        let mut covariance = Matrix3::zeros();
-        covariance[(0, 0)] = belief.covariance[(0, 0)];
-        Ok(Estimate {
-            pose: Pose2::new(belief.mean.x, 0.0, 0.0),
-            covariance: Some(covariance),
-            rail: Some(belief),
-        })
+        Ok(estimate(*ahead.filter.belief()))
     }
 }

@@ -71,7 +71,7 @@ impl Summary {
         let methods = run
             .methods
             .iter()
-            .map(|record| Ok((record.method.to_string(), MethodSummary::of(run, record, align)?)))
+            .map(|record| Ok((record.name().into_owned(), MethodSummary::of(run, record, align)?)))
             .collect::<Result<_>>()?;
         Ok(Summary {
             source: run.setup.name.clone(),

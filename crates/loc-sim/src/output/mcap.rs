@@ -7,6 +7,7 @@
 use crate::Result;
 use crate::event::{Control, Event, Measurement, Payload};
 use crate::localizer::{Estimate, Localizer, Method};
+use crate::odometry::Driven;
 use crate::runner::Watcher;
 use crate::source::Setup;
 use crate::source::ros::McapWriter;
@@ -28,12 +29,10 @@ const LASER: &str = "laser";
 pub struct McapRecorder {
     writer: McapWriter,
     methods: Vec<Method>,
-    odometry: Pose2,
-    /// A velocity with the time from which on it holds.
-    velocity: Option<(f64, Twist2)>,
+    driven: Driven,
     mounting: Option<Pose2>,
     truth: Path,
-    /// True poses that were written; the path is written again when it has grown by a tenth.
+    /// True poses that were written; the path is written again when it has grown by half.
     written: usize,
 }
 
@@ -46,19 +45,18 @@ impl McapRecorder {
         Ok(McapRecorder {
             writer: McapWriter::create(path)?,
             methods: Vec::new(),
-            odometry: Pose2::IDENTITY,
-            velocity: None,
+            driven: Driven::default(),
             mounting: None,
             truth: Path { header: Header::new(Stamp::default(), MAP), poses: Vec::new() },
             written: 0,
         })
     }
 
-    /// Writes the rest and the index.
+    /// Writes the rest and the index; gives the number of messages.
     ///
     /// # Errors
     /// [`loc_core::Error::Io`].
-    pub fn finish(mut self) -> Result<()> {
+    pub fn finish(mut self) -> Result<u64> {
         self.write_truth()?;
         self.writer.finish()
     }
@@ -81,7 +79,6 @@ impl McapRecorder {
     }
 
     fn odometry(&mut self, at: Stamp, pose: Pose2, twist: Option<Twist2>) -> Result<()> {
-        self.odometry = pose;
         let mut message = Odometry { header: Header::new(at, ODOM), ..Odometry::default() };
         message.child_frame_id = BASE.into();
         message.pose.pose = pose.into();
@@ -93,27 +90,13 @@ impl McapRecorder {
         self.transform("/tf", at, [ODOM, BASE], pose)
     }
 
-    /// Drives on with the last velocity up to a time \[s\].
-    fn drive_to(&mut self, stamp: f64) -> Pose2 {
-        if let Some((since, twist)) = &mut self.velocity {
-            let step = twist.to_vector() * (stamp - *since).max(0.0);
-            self.odometry = self.odometry * Pose2::exp(&step);
-            *since = stamp;
-        }
-        self.odometry
-    }
-
     fn control(&mut self, stamp: f64, control: &Control) -> Result<()> {
-        let at = Stamp::from_seconds(stamp);
-        match control {
-            Control::Odometry(pose) => self.odometry(at, *pose, None),
-            Control::Velocity(twist) => {
-                let pose = self.drive_to(stamp);
-                self.velocity = Some((stamp, *twist));
-                self.odometry(at, pose, Some(*twist))
-            }
-            Control::Acceleration(_) => Ok(()),
-        }
+        let Some(pose) = self.driven.pose(stamp, control) else { return Ok(()) };
+        let twist = match control {
+            Control::Velocity(twist) => Some(*twist),
+            _ => None,
+        };
+        self.odometry(Stamp::from_seconds(stamp), pose, twist)
     }
 
     fn scan(&mut self, at: Stamp, scan: &laser::LaserScan, mounting: Pose2) -> Result<()> {
@@ -128,7 +111,7 @@ impl McapRecorder {
     }
 
     fn primary(&mut self, at: Stamp, name: &str, estimate: &Estimate) -> Result<()> {
-        let map_from_odom = estimate.pose * self.odometry.inverse();
+        let map_from_odom = estimate.pose * self.driven.last().inverse();
         self.transform("/tf", at, [MAP, ODOM], map_from_odom)?;
         self.writer.write("/amcl_pose", at.0, &pose_message(at, estimate))?;
         let mut values = vec![("map_from_odom".to_owned(), map_from_odom.to_string())];
@@ -191,7 +174,7 @@ impl Watcher for McapRecorder {
             Payload::Truth(truth) => {
                 let pose = truth.pose.into();
                 self.truth.poses.push(PoseStamped { header: Header::new(at, MAP), pose });
-                let due = self.written + self.written / 10 + 10;
+                let due = self.written + self.written / 2 + 10;
                 if self.truth.poses.len() >= due { self.write_truth() } else { Ok(()) }
             }
         }
@@ -199,7 +182,7 @@ impl Watcher for McapRecorder {
 
     fn estimated(&mut self, stamp: f64, localizers: &[&dyn Localizer]) -> Result<()> {
         let at = Stamp::from_seconds(stamp);
-        self.drive_to(stamp);
+        self.driven.drive_to(stamp);
         let clouds: Vec<_> = localizers.iter().map(|localizer| localizer.cloud()).collect();
         let primary = clouds.iter().position(Option::is_some);
         let primary = primary.unwrap_or(localizers.len().saturating_sub(1));

@@ -73,7 +73,7 @@ pub fn final_beliefs(run: &Run, also_in_frame: Option<&str>) -> Vec<String> {
     let mut lines = Vec::new();
     for record in &run.methods {
         let Some(last) = record.estimates.last() else { continue };
-        let method = record.method;
+        let method = record.name();
         if let Some(belief) = &last.rail {
             let (x, s) = (belief.mean, belief.covariance);
             lines.push(format!(

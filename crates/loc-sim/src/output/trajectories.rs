@@ -15,7 +15,7 @@ pub(super) fn add(folder: &mut Folder, run: &Run) -> Result<()> {
         folder.add("truth.tum", truth.to_tum());
     }
     for record in &run.methods {
-        let name = record.method.name();
+        let name = record.name();
         let mut estimate = Trajectory::new();
         for (stamp, given) in run.stamps.iter().zip(&record.estimates) {
             estimate.push(*stamp, given.pose)?;

@@ -6,6 +6,7 @@ use crate::localizer::{Estimate, EstimatedMap, Judgement, Method, MethodSettings
 use crate::metrics::pose_nees_with_freedom;
 use crate::source::Setup;
 use loc_core::{Pose2, Stamped};
+use std::borrow::Cow;
 
 mod film;
 mod moments;
@@ -41,6 +42,8 @@ pub struct Run {
 pub struct MethodRecord {
     /// The method.
     pub method: Method,
+    /// Whether these are its estimates after the run, smoothed by all that came later.
+    pub smoothed: bool,
     /// Its estimates, one for each stamp of the run.
     pub estimates: Vec<Estimate>,
     /// Its judgements on the measurements, with their stamps \[s\].
@@ -55,6 +58,14 @@ pub struct MethodRecord {
     pub updates: usize,
     /// Time it took \[s\].
     pub runtime: f64,
+}
+
+impl MethodRecord {
+    /// The method's name, `ekf-smoothed` for what was smoothed.
+    pub fn name(&self) -> Cow<'static, str> {
+        let name = self.method.name();
+        if self.smoothed { format!("{name}-smoothed").into() } else { name.into() }
+    }
 }
 
 impl Run {

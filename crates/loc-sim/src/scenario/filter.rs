@@ -39,6 +39,8 @@ pub struct FilterConfig {
     pub fastslam: FastSlamConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
+    /// Whether the estimates of Kalman filters are smoothed after the run as well.
+    pub smooth: bool,
 }
 
 impl FilterConfig {
@@ -59,6 +61,7 @@ impl FilterConfig {
             slam: self.slam.settings()?,
             fastslam: self.fastslam.settings()?,
             global: self.global,
+            smooth: self.smooth,
             ..MethodSettings::default()
         })
     }

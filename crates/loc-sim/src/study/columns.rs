@@ -74,9 +74,9 @@ impl<'a> Columns<'a> {
 
     /// The rows of a run under [`runs`](Columns::runs), one per method.
     pub(super) fn run_rows(&self, outcome: &RunOutcome) -> Result<Vec<Vec<Cell>>> {
-        let mut rows = Vec::with_capacity(self.study.methods().len());
-        for (k, method) in self.study.methods().iter().enumerate() {
-            let mut row = self.key_cells(outcome, method.name());
+        let mut rows = Vec::with_capacity(self.study.records().len());
+        for (k, method) in self.study.records().iter().enumerate() {
+            let mut row = self.key_cells(outcome, method);
             let part = outcome.methods.get(k);
             let success = match part {
                 Some(part) => self.study.success.of(outcome, part)?,
@@ -98,13 +98,13 @@ impl<'a> Columns<'a> {
 
     /// The rows of a run under [`times`](Columns::times).
     pub(super) fn time_rows(&self, outcome: &RunOutcome) -> Vec<Vec<Cell>> {
-        let row = |(k, method): (usize, &crate::localizer::Method)| {
-            let mut row = self.key_cells(outcome, method.name());
+        let row = |(k, method): (usize, &String)| {
+            let mut row = self.key_cells(outcome, method);
             let part = outcome.methods.get(k);
             row.extend(TIMES.map(|name| number(part.and_then(|part| part.figure(name)))));
             row
         };
-        self.study.methods().iter().enumerate().map(row).collect()
+        self.study.records().iter().enumerate().map(row).collect()
     }
 
     fn key_cells(&self, outcome: &RunOutcome, method: &str) -> Vec<Cell> {

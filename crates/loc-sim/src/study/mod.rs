@@ -70,6 +70,8 @@ pub struct StudyOptions {
     pub methods: Vec<Method>,
     /// How estimates are carried into the frame of the truth.
     pub align: Alignment,
+    /// Whether the estimates of Kalman filters are smoothed as well.
+    pub smooth: bool,
     /// When a run counts as a success.
     pub success: Success,
     /// What tells one program from another, so that their runs are never mixed.
@@ -84,6 +86,7 @@ impl Default for StudyOptions {
             vary: Vec::new(),
             methods: Vec::new(),
             align: Alignment::default(),
+            smooth: false,
             success: Success::default(),
             program: env!("CARGO_PKG_VERSION").to_owned(),
         }
@@ -97,6 +100,9 @@ pub struct Study {
     scenario: Scenario,
     grid: Grid,
     methods: Vec<Method>,
+    /// The names of what the methods give: their own, and those of what is smoothed.
+    records: Vec<String>,
+    smooth: bool,
     align: Alignment,
     success: Success,
     program: String,
@@ -134,8 +140,12 @@ impl Study {
             (0..grid.cells())
                 .try_for_each(|cell| source.scenario(&grid.changes(cell)).map(drop))?;
         }
-        let StudyOptions { align, success, program, .. } = options;
-        Ok(Study { source, scenario, grid, methods, align, success, program })
+        let StudyOptions { align, smooth, success, program, .. } = options;
+        let smooth = smooth || scenario.settings()?.smooth;
+        let smoothed = methods.iter().filter(|method| smooth && method.can_smooth());
+        let mut records: Vec<String> = methods.iter().map(ToString::to_string).collect();
+        records.extend(smoothed.map(|method| format!("{method}-smoothed")));
+        Ok(Study { source, scenario, grid, methods, records, smooth, align, success, program })
     }
 
     /// The scenario as it is without any variation.
@@ -151,6 +161,11 @@ impl Study {
     /// The methods.
     pub fn methods(&self) -> &[Method] {
         &self.methods
+    }
+
+    /// The names of what each run gives estimates of: the methods, and after them what is smoothed.
+    pub fn records(&self) -> &[String] {
+        &self.records
     }
 
     /// The settings of a combination that are varied, with their values.
@@ -172,7 +187,7 @@ impl Study {
             program: self.program.clone(),
             scenario: self.source.settings()?,
             vary: self.grid.axes().iter().map(axis).collect(),
-            methods: self.methods.iter().map(|method| method.name().to_owned()).collect(),
+            methods: self.records.clone(),
             align: self.align.name().to_owned(),
         })
     }
@@ -205,7 +220,10 @@ impl Study {
 
     /// One run.
     fn one(&self, job: Job) -> Result<RunOutcome> {
-        let scenario = self.source.scenario(&self.grid.changes(job.cell))?;
+        let mut scenario = self.source.scenario(&self.grid.changes(job.cell))?;
+        if self.smooth {
+            scenario.filter.get_or_insert_default().smooth = true;
+        }
         let run = scenario.run(Some(job.seed), Some(&self.methods), &mut |_| {});
         match run.and_then(|run| RunOutcome::of(job, &run, self.align)) {
             Ok(outcome) => Ok(outcome),

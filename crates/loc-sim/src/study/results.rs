@@ -4,7 +4,6 @@ use super::group::Gathering;
 use super::journal::Journal;
 use super::{Group, RunOutcome, Study};
 use crate::Result;
-use crate::localizer::Method;
 use serde::Serialize;
 
 /// What a study found out.
@@ -97,7 +96,7 @@ struct Cell {
 
 impl Cell {
     fn new(study: &Study, number: usize) -> Result<Self> {
-        let methods = study.methods().iter().map(|method: &Method| Gathering::new(method.name()));
+        let methods = study.records().iter().map(|name| Gathering::new(name));
         Ok(Cell { number, gatherings: methods.collect::<Result<_>>()?, any: false })
     }
 

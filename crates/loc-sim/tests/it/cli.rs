@@ -207,3 +207,25 @@ fn an_illustration_is_written_like_a_run() {
     let expected = ["probability.svg", "report.html", "summary.json"];
     assert_eq!(entries(&folder.path().join("o")), expected);
 }
+
+/// A conversion that fails leaves what stood there, and nothing beside it.
+#[test]
+fn conversions_are_whole_or_not_at_all() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path();
+    fs::write(path.join("a.log"), "FLASER 2 1 2 0 0 0 0 0 0 10 host 10\n").unwrap();
+    fs::write(path.join("a.tum"), "kept").unwrap();
+    let (code, error) =
+        failure(path, &["convert", "a.log", "a.tum", "--to", "tum", "--track", "reference"]);
+    assert_eq!((code, error.as_str()), (1, "error: a: expected true poses, got none\n"));
+    assert_eq!(fs::read_to_string(path.join("a.tum")).unwrap(), "kept");
+    let (_, error) = failure(path, &["convert", "a.log", "a.log", "--to", "carmen"]);
+    assert!(error.contains("expected another file to write to than the recording"), "{error}");
+    let (_, error) = failure(path, &["convert", "a.log", "no/a.tum", "--to", "tum"]);
+    assert!(error.starts_with("error: no/a.tum"), "{error}");
+    assert_eq!(entries(path), ["a.log", "a.tum"]);
+    let text = stdout(&loc_sim(path, &["convert", "a.log", "a.tum", "--to", "tum"]));
+    assert!(text.starts_with("1 poses written to a.tum\n"), "{text}");
+    let text = fs::read_to_string(path.join("a.tum")).unwrap();
+    assert!(text.lines().any(|line| line.starts_with("10")), "{text}");
+}

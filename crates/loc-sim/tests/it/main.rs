@@ -7,6 +7,7 @@ mod cli;
 mod consistency;
 #[cfg(feature = "cli")]
 mod convergence;
+mod convert;
 mod demonstration;
 #[cfg(feature = "cli")]
 mod eval;
@@ -32,6 +33,7 @@ mod ros;
 mod scenarios;
 mod sense;
 mod slam;
+mod smoothing;
 mod study;
 mod switches;
 mod tour;

@@ -63,7 +63,7 @@ pub struct ReplayArgs {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub kidnap: Option<f64>,
     /// A TUM or CSV file of poses in the map to judge by, in place of those of the log.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "reference_topic")]
     pub reference: Option<PathBuf>,
     /// Seed of the methods that draw random numbers; 1 where nothing says otherwise.
     #[arg(long, value_name = "N")]
@@ -118,6 +118,8 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
         [] => replay.methods.as_slice(),
         given => given,
     };
+    replay.settings.smooth |= args.output.smooth;
+    args.output.check_smoothing(methods)?;
     let mut progress = Progress::new("replay", global);
     let source = replay.source.as_mut();
     let mut tell = |share| progress.tell(share);
@@ -125,7 +127,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let mut recorder = args.output.recorder()?;
     let mut watcher = Both(&mut filming, &mut recorder);
     let mut run = runner::run_watched(source, methods, &replay.settings, &mut watcher)?;
-    recorder.map_or(Ok(()), McapRecorder::finish)?;
+    recorder.map(McapRecorder::finish).transpose()?;
     run.film = Some(filming.film);
     progress.finish();
     let name = run.setup.name.replace(' ', "-");

@@ -19,7 +19,7 @@ pub struct RosArgs {
     pub odom_topic: Option<String>,
     /// The topic of a bag with true poses; `/tf` for the recorded transform from map, `none` for
     /// no reference. Found by its name where left out.
-    #[arg(long, value_name = "TOPIC", conflicts_with = "reference")]
+    #[arg(long, value_name = "TOPIC")]
     pub reference_topic: Option<String>,
     /// Where the laser sits on the robot, in metres and radians, in place of what a bag says.
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true)]
@@ -36,7 +36,7 @@ pub struct RosArgs {
 
 impl RosArgs {
     /// The library's form.
-    pub(super) fn options(&self, seed: u64) -> Result<RosOptions> {
+    pub(in crate::cli) fn options(&self, seed: u64) -> Result<RosOptions> {
         let pose = |text: &String| parse_pose("--laser-mounting", text);
         let noise = |text: &String| Ok::<_, crate::Error>((parse_noise(text)?, seed));
         Ok(RosOptions {
@@ -50,7 +50,7 @@ impl RosArgs {
     }
 
     /// Refuses what only a bag can have.
-    pub(super) fn refuse_unless(&self, format: Format) -> anyhow::Result<()> {
+    pub(in crate::cli) fn refuse_unless(&self, format: Format) -> anyhow::Result<()> {
         let options = [
             ("--scan-topic", self.scan_topic.is_some()),
             ("--odom-topic", self.odom_topic.is_some()),

@@ -15,7 +15,7 @@ pub(super) fn errors(run: &Run) -> FigureFile {
     let mut spread = chart("spread of the position, 1 sigma [m]");
     let mut nees = Chart::new("NEES").log_y();
     for (k, record) in run.methods.iter().enumerate() {
-        let (role, name) = (Role::Method(k), record.method.name());
+        let (role, name) = (Role::Method(k), &record.name());
         let over_time = |value: &dyn Fn(usize) -> Option<f64>| -> Vec<(f64, f64)> {
             (0..run.truth.len()).map(|i| (time(run, i), value(i).unwrap_or(f64::NAN))).collect()
         };
@@ -69,7 +69,7 @@ fn with_kidnapping(run: &Run, figure: Figure) -> Figure {
 pub(super) fn consistency(run: &Run) -> Option<FigureFile> {
     let (k, record) = run.methods.iter().enumerate().next_back()?;
     record.estimates.first()?.covariance?;
-    let mut figure = Figure::new(format!("What {} promises, and what it keeps", record.method))
+    let mut figure = Figure::new(format!("What {} promises, and what it keeps", record.name()))
         .subtitle("errors inside 2 standard deviations")
         .x_label("time [s]");
     for (coordinate, label) in
@@ -86,7 +86,7 @@ pub(super) fn consistency(run: &Run) -> Option<FigureFile> {
         if let Some(limit) = usual(&band, &error) {
             chart = chart.y_range(-limit, limit);
         }
-        chart = chart.band(role, "2 sigma", band).line(role, record.method.name(), error);
+        chart = chart.band(role, "2 sigma", band).line(role, &record.name(), error);
         figure = figure.panel(chart);
     }
     Some(FigureFile {

@@ -26,7 +26,7 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
     }
     let largest = LARGEST_ELLIPSE * extent(run);
     for (k, record) in run.methods.iter().enumerate() {
-        let label = format!("{}, 2 sigma", record.method);
+        let label = format!("{}, 2 sigma", record.name());
         let ellipses = marked(&record.estimates).filter_map(two_sigma);
         // The ellipses of a method that is lost would hide everything else.
         let alone = run.methods.len() == 1 && record.snapshots.is_empty();
@@ -42,7 +42,7 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
         scene = scene.stars(Role::Measurement, "landmark as measured", seen);
     }
     for (k, record) in run.methods.iter().enumerate() {
-        scene = scene.path(line(run, k), record.method.name(), estimated_path(record));
+        scene = scene.path(line(run, k), &record.name(), estimated_path(record));
         let arrows = record.method != Method::DeadReckoning && record.snapshots.is_empty();
         if arrows || run.methods.len() == 1 {
             scene = scene.poses(Role::Method(k), "", marked(&record.estimates).map(|e| e.pose));
@@ -143,7 +143,7 @@ fn extent(run: &Run) -> f64 {
 }
 
 fn subtitle(run: &Run) -> String {
-    let methods: Vec<&str> = run.methods.iter().map(|record| record.method.name()).collect();
+    let methods: Vec<_> = run.methods.iter().map(MethodRecord::name).collect();
     let distance = run.distance().map_or(String::new(), |distance| format!("{distance:.1} m in "));
     format!("{}, {distance}{:.1} s", methods.join(" and "), run.duration())
 }

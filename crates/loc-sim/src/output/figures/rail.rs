@@ -17,7 +17,7 @@ fn drive(run: &Run, title: &str) -> FigureFile {
     let mut position = Chart::new("position [m]");
     let mut speed = Chart::new("speed [m/s]");
     for (k, record) in run.methods.iter().enumerate() {
-        let (role, name) = (Role::Method(k), record.method.name());
+        let (role, name) = (Role::Method(k), &record.name());
         position = position.band(role, name, band(run, record, 0));
         position = position.line(role, name, beliefs(run, record).map(|(t, b)| (t, b.mean.x)));
         speed = speed.band(role, name, band(run, record, 1));
@@ -46,7 +46,7 @@ fn density(run: &Run) -> FigureFile {
         let belief = record.estimates.last().and_then(|estimate| estimate.rail);
         if let Some(normal) = belief.and_then(|b| normal(b.mean.x, b.covariance.m11)) {
             peak = peak.max(normal.density(normal.mean()));
-            chart = chart.line(Role::Method(k), record.method.name(), bell(&normal));
+            chart = chart.line(Role::Method(k), &record.name(), bell(&normal));
         }
     }
     let upright = |at: f64| [(at, 0.0), (at, peak)];
@@ -69,7 +69,7 @@ fn accuracy(run: &Run) -> FigureFile {
     let mut position = Chart::new("position, 1 sigma [m]");
     let mut speed = Chart::new("speed, 1 sigma [m/s]");
     for (k, record) in run.methods.iter().enumerate() {
-        let (role, name) = (Role::Method(k), record.method.name());
+        let (role, name) = (Role::Method(k), &record.name());
         let sigma = |b: &Gaussian<2>, i: usize| b.covariance[(i, i)].sqrt();
         position = position.line(role, name, beliefs(run, record).map(|(t, b)| (t, sigma(b, 0))));
         speed = speed.line(role, name, beliefs(run, record).map(|(t, b)| (t, sigma(b, 1))));

@@ -151,7 +151,7 @@ impl MethodData {
         let poses: Vec<Pose2> = estimates.iter().map(|estimate| estimate.pose).collect();
         let counts: Vec<u32> = inside().map(|inside| inside.particle_count as u32).collect();
         MethodData {
-            name: record.method.to_string(),
+            name: record.name().into_owned(),
             track: Track::of(&poses),
             covariance: Blob::f32(
                 &estimates.iter().flat_map(position_covariance).collect::<Vec<_>>(),

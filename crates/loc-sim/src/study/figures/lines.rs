@@ -18,7 +18,7 @@ pub(super) fn lines<'a>(
     results: &'a Results,
     k: usize,
 ) -> (Vec<GroupLine<'a>>, bool) {
-    let (axes, methods) = (study.grid().axes(), study.methods().len());
+    let (axes, methods) = (study.grid().axes(), study.records().len());
     let others: usize = study.grid().cells() / axes[k].values().len();
     let pooled = others > 1 && others * methods > MOST_LINES;
     let xs = positions(study, k);

@@ -17,7 +17,7 @@ pub(super) struct StudyFigure {
 /// The figures that suit a study.
 pub(super) fn all(study: &Study, results: &Results) -> Vec<StudyFigure> {
     let axes = study.grid().axes();
-    if results.groups.len() <= study.methods().len() {
+    if results.groups.len() <= study.records().len() {
         return single::all(results);
     }
     let varied = (0..axes.len()).filter(|&k| axes[k].values().len() > 1);

@@ -7,6 +7,7 @@ mod real;
 mod recording;
 mod serialization;
 mod tf;
+mod transcribe;
 mod write;
 
 use loc_sim::source::ros::{Channel, MessageReader};

@@ -155,7 +155,7 @@ fn more_seeds_go_on_and_fewer_are_a_part() {
 #[test]
 fn a_study_that_is_told_to_stop_keeps_what_is_done() {
     let folder = TempDir::new().unwrap();
-    let study = drive(40, &[], &[Method::Ekf]);
+    let study = drive(200, &[], &[Method::Ekf]);
     let mut told = Vec::new();
     let done = study.run(folder.path(), 2, &mut |now| {
         told.push(now);
@@ -163,8 +163,8 @@ fn a_study_that_is_told_to_stop_keeps_what_is_done() {
     });
     assert!(!done.unwrap());
     let count = lines(folder.path()).len();
-    assert!((5..40).contains(&count), "{count}");
-    assert_eq!((told[0].kept, told[0].total), (0, 40));
+    assert!((5..200).contains(&count), "{count}");
+    assert_eq!((told[0].kept, told[0].total), (0, 200));
     assert!(study.results(folder.path()).unwrap().groups[0].runs == count as u64);
     let expected = complete(&study, TempDir::new().unwrap().path(), 1);
     assert_eq!(complete(&study, folder.path(), 2), expected);

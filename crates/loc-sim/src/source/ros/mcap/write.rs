@@ -23,8 +23,8 @@ pub struct McapWriter {
     path: PathBuf,
     file: BufWriter<File>,
     position: u64,
-    schemas: BTreeMap<&'static str, u16>,
-    channels: BTreeMap<String, (u16, &'static str)>,
+    schemas: BTreeMap<String, u16>,
+    channels: BTreeMap<String, (u16, String)>,
     /// Schemas and channels, again for the end of the file.
     summary: [Vec<u8>; 2],
     chunk: Vec<u8>,
@@ -74,11 +74,26 @@ impl McapWriter {
     /// # Errors
     /// [`loc_core::Error::Io`]; [`crate::Error::Recording`] for a second type on a topic.
     pub fn write<M: Message>(&mut self, topic: &str, log_time: i64, message: &M) -> Result<()> {
-        let channel = self.channel::<M>(topic)?;
-        // Times before 1970 do not exist in the format.
-        let time = u64::try_from(log_time).unwrap_or(0);
         let mut encoder = Encoder::new(Dialect::Cdr);
         message.encode(&mut encoder);
+        self.write_bytes(topic, M::NAME, log_time, &encoder.finish())
+    }
+
+    /// The same for a message as bytes in the serialisation of ROS 2, of any type. The definition
+    /// of a type that is not known here stays empty: its name has to do.
+    ///
+    /// # Errors
+    /// As for [`write`](McapWriter::write).
+    pub fn write_bytes(
+        &mut self,
+        topic: &str,
+        type_name: &str,
+        log_time: i64,
+        bytes: &[u8],
+    ) -> Result<()> {
+        let channel = self.channel(topic, type_name)?;
+        // Times before 1970 do not exist in the format.
+        let time = u64::try_from(log_time).unwrap_or(0);
         let count = self.counts.entry(channel).or_insert(0);
         let mut content = Vec::new();
         content.extend(channel.to_le_bytes());
@@ -86,7 +101,7 @@ impl McapWriter {
         *count += 1;
         content.extend(time.to_le_bytes());
         content.extend(time.to_le_bytes());
-        content.extend(encoder.finish());
+        content.extend(bytes);
         self.chunk_index.entry(channel).or_default().push((time, self.chunk.len() as u64));
         self.chunk.extend(framed(operation::MESSAGE, &content));
         widen(&mut self.chunk_times, time);
@@ -95,20 +110,20 @@ impl McapWriter {
     }
 
     /// The channel of a topic, which is made with its schema where it is new.
-    fn channel<M: Message>(&mut self, topic: &str) -> Result<u16> {
-        if let Some((id, type_name)) = self.channels.get(topic) {
-            if *type_name == M::NAME {
+    fn channel(&mut self, topic: &str, type_name: &str) -> Result<u16> {
+        if let Some((id, known)) = self.channels.get(topic) {
+            if known == type_name {
                 return Ok(*id);
             }
             return Err(crate::Error::Recording {
                 path: self.path.clone(),
-                expected: format!("one type on {topic}, {type_name}"),
-                found: M::NAME.into(),
+                expected: format!("one type on {topic}, {known}"),
+                found: type_name.into(),
             });
         }
-        let schema = match self.schemas.get(M::NAME) {
+        let schema = match self.schemas.get(type_name) {
             Some(id) => *id,
-            None => self.schema::<M>(),
+            None => self.schema(type_name),
         };
         let id = u16::try_from(self.channels.len()).unwrap_or(u16::MAX);
         let mut content = Vec::new();
@@ -120,22 +135,22 @@ impl McapWriter {
         let record = framed(operation::CHANNEL, &content);
         self.chunk.extend(&record);
         self.summary[1].extend(record);
-        self.channels.insert(topic.to_owned(), (id, M::NAME));
+        self.channels.insert(topic.to_owned(), (id, type_name.to_owned()));
         Ok(id)
     }
 
-    fn schema<M: Message>(&mut self) -> u16 {
+    fn schema(&mut self, type_name: &str) -> u16 {
         // 0 means "no schema".
         let id = u16::try_from(self.schemas.len() + 1).unwrap_or(u16::MAX);
         let mut content = Vec::new();
         content.extend(id.to_le_bytes());
-        text(&mut content, M::NAME);
+        text(&mut content, type_name);
         text(&mut content, "ros2msg");
-        text(&mut content, &definition(M::NAME));
+        text(&mut content, &definition(type_name));
         let record = framed(operation::SCHEMA, &content);
         self.chunk.extend(&record);
         self.summary[0].extend(record);
-        self.schemas.insert(M::NAME, id);
+        self.schemas.insert(type_name.to_owned(), id);
         id
     }
 
@@ -175,11 +190,11 @@ impl McapWriter {
         Ok(())
     }
 
-    /// Writes the index and closes the file.
+    /// Writes the index and closes the file; gives the number of messages.
     ///
     /// # Errors
     /// [`loc_core::Error::Io`].
-    pub fn finish(mut self) -> Result<()> {
+    pub fn finish(mut self) -> Result<u64> {
         self.close_chunk()?;
         self.put(&framed(operation::DATA_END, &0_u32.to_le_bytes()))?;
         let summary_start = self.position;
@@ -215,7 +230,7 @@ impl McapWriter {
         self.put(&framed(operation::FOOTER, &footer))?;
         self.put(&MAGIC)?;
         self.file.flush().map_err(loc_core::Error::io(&self.path))?;
-        Ok(())
+        Ok(self.counts.values().sum())
     }
 
     fn statistics(&self) -> Vec<u8> {

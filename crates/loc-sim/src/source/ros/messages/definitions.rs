@@ -1,7 +1,7 @@
 //! The definitions of the message types, as a bag carries them along.
 
 /// Types with their fields.
-const TYPES: [(&str, &str); 28] = [
+const TYPES: [(&str, &str); 32] = [
     ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n"),
     ("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id\n"),
     ("geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n"),
@@ -43,6 +43,21 @@ const TYPES: [(&str, &str); 28] = [
         "std_msgs/Header header\nfloat32 angle_min\nfloat32 angle_max\n\
          float32 angle_increment\nfloat32 time_increment\nfloat32 scan_time\n\
          float32 range_min\nfloat32 range_max\nfloat32[] ranges\nfloat32[] intensities\n",
+    ),
+    ("sensor_msgs/LaserEcho", "float32[] echoes\n"),
+    (
+        "sensor_msgs/MultiEchoLaserScan",
+        "std_msgs/Header header\nfloat32 angle_min\nfloat32 angle_max\n\
+         float32 angle_increment\nfloat32 time_increment\nfloat32 scan_time\n\
+         float32 range_min\nfloat32 range_max\nsensor_msgs/LaserEcho[] ranges\n\
+         sensor_msgs/LaserEcho[] intensities\n",
+    ),
+    ("sensor_msgs/NavSatStatus", "int8 status\nuint16 service\n"),
+    (
+        "sensor_msgs/NavSatFix",
+        "std_msgs/Header header\nsensor_msgs/NavSatStatus status\nfloat64 latitude\n\
+         float64 longitude\nfloat64 altitude\nfloat64[9] position_covariance\n\
+         uint8 position_covariance_type\n",
     ),
     (
         "sensor_msgs/PointField",

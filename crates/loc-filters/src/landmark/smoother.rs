@@ -1,0 +1,131 @@
+//! The landmark EKF over a whole drive, smoothed.
+
+use super::{LandmarkEkf, LandmarkSettings, Outcome};
+use crate::extended::MotionModel;
+use crate::smoother::Smoother;
+use crate::{Error, Result};
+use loc_core::{Gaussian, Twist2};
+use loc_maps::LandmarkMap;
+use loc_sensors::landmark_camera::Sighting;
+use std::sync::Arc;
+
+/// Landmark localization after the drive: the inputs of
+/// [`LandmarkLocalizer`](super::LandmarkLocalizer), in the order of their stamps, and marks at the
+/// times whose smoothed beliefs are wanted.
+///
+/// ```
+/// use loc_core::{Pose2, Twist2, gaussian::pose_belief};
+/// use loc_filters::landmark::{LandmarkSettings, LandmarkSmoother};
+/// use loc_maps::{Landmark, LandmarkMap};
+/// use loc_sensors::landmark_camera::{Sight, Sighting};
+///
+/// let map = LandmarkMap::new([Landmark::planar(1, 4.0, 0.0)])?;
+/// let start = pose_belief(Pose2::IDENTITY, [0.5, 0.5, 0.1]);
+/// let mut drive = LandmarkSmoother::new(map, LandmarkSettings::default(), 0.0, start)?;
+/// drive.velocity(0.0, Twist2::forward(1.0, 0.0))?;
+/// drive.mark(0.0)?;
+/// let sight = Sight::RangeBearing { range: 2.5, bearing: 0.0 };
+/// drive.sightings(1.0, &[Sighting { landmark: 1, sight }])?;
+/// let smoothed = drive.smooth()?;
+/// assert!(smoothed[0].mean.x > 0.4, "what is seen at 1 s says where the robot was at 0 s");
+/// # Ok::<(), loc_filters::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct LandmarkSmoother {
+    ekf: LandmarkEkf,
+    past: Smoother<3>,
+    stamp: f64,
+    twist: Twist2,
+    map: Arc<LandmarkMap>,
+    /// The moment of each mark.
+    marks: Vec<usize>,
+}
+
+impl LandmarkSmoother {
+    /// A drive that stands still at `stamp` \[s\] with a belief over (x, y, theta). The horizon of
+    /// the settings has no meaning here.
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
+    pub fn new(
+        map: impl Into<Arc<LandmarkMap>>,
+        settings: LandmarkSettings,
+        stamp: f64,
+        start: Gaussian<3>,
+    ) -> Result<Self> {
+        let stamp = loc_core::error::finite("start time [s]", stamp)?;
+        let ekf = LandmarkEkf::new(start, settings)?;
+        let past = Smoother::new(*ekf.belief())?.with_angles(&[2]);
+        let (map, marks) = (map.into(), Vec::new());
+        Ok(LandmarkSmoother { ekf, past, stamp, twist: Twist2::ZERO, map, marks })
+    }
+
+    /// The velocity from `stamp` \[s\] on.
+    ///
+    /// # Errors
+    /// [`Error::TooLate`] for a stamp before the last one, and [`Error::NotFinite`] for the
+    /// velocity.
+    pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
+        crate::innovation::finite("velocity", &twist.to_vector())?;
+        self.drive_to("velocity", stamp)?;
+        self.twist = twist;
+        Ok(())
+    }
+
+    /// Any number of landmarks seen at `stamp` \[s\]; the answer has one outcome for each.
+    ///
+    /// # Errors
+    /// [`Error::TooLate`] for a stamp before the last one, and [`loc_core::Error::OutOfRange`] for
+    /// sightings that are not valid, none of which is then used.
+    pub fn sightings(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<Vec<Outcome>> {
+        for sighting in sightings {
+            sighting.sight.check()?;
+        }
+        self.drive_to("sightings", stamp)?;
+        let mut ekf = self.ekf;
+        let outcomes = sightings.iter().map(|sighting| ekf.correct(&self.map, sighting));
+        let outcomes = outcomes.collect::<Result<Vec<_>>>()?;
+        self.ekf = ekf;
+        self.past.corrected(self.ekf.belief());
+        Ok(outcomes)
+    }
+
+    /// Asks for the belief at a time \[s\].
+    ///
+    /// # Errors
+    /// [`Error::TooLate`] for a time before the last stamp.
+    pub fn mark(&mut self, stamp: f64) -> Result<()> {
+        self.drive_to("mark", stamp)?;
+        self.marks.push(self.past.len() - 1);
+        Ok(())
+    }
+
+    /// The smoothed belief at each mark, in the order of the marks.
+    ///
+    /// # Errors
+    /// Those of [`Smoother::smooth`].
+    pub fn smooth(&self) -> Result<Vec<Gaussian<3>>> {
+        let smoothed = self.past.smooth()?;
+        Ok(self.marks.iter().filter_map(|&moment| smoothed.get(moment).copied()).collect())
+    }
+
+    /// What the filter believed at each mark.
+    pub fn filtered(&self) -> Vec<Gaussian<3>> {
+        self.marks.iter().filter_map(|&moment| self.past.filtered(moment).copied()).collect()
+    }
+
+    fn drive_to(&mut self, what: &'static str, stamp: f64) -> Result<()> {
+        let dt = loc_core::error::finite("stamp [s]", stamp)? - self.stamp;
+        // Inputs from before the start belong to the start.
+        if dt < 0.0 && !self.past.is_empty() {
+            return Err(Error::TooLate { what, stamp, newest: self.stamp, horizon: 0.0 });
+        }
+        if dt > 0.0 {
+            let motion = self.ekf.motion(self.twist, dt).linearize(&self.ekf.belief().mean);
+            self.ekf.predict(self.twist, dt)?;
+            self.past.predicted(&motion, self.ekf.belief());
+            self.stamp = stamp;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,130 @@
+//! Filters that keep their past.
+
+use super::Smoother;
+use crate::extended::LinearizedMotion;
+use crate::kalman::{LinearMeasurement, LinearMotion};
+use crate::{
+    ExtendedKalmanFilter, Gate, Innovation, KalmanFilter, MeasurementModel, MotionModel, Result,
+};
+use loc_core::Gaussian;
+use nalgebra::SVector;
+
+/// A filter that is run as always and keeps what smoothing needs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recorded<F, const N: usize> {
+    filter: F,
+    past: Smoother<N>,
+}
+
+/// A filter that [`Recorded`] can keep the past of.
+pub trait Recordable<const N: usize> {
+    /// What the filter believes now.
+    fn belief(&self) -> &Gaussian<N>;
+    /// The states that are angles.
+    fn angles(&self) -> &'static [usize];
+}
+
+impl<const N: usize> Recordable<N> for KalmanFilter<N> {
+    fn belief(&self) -> &Gaussian<N> {
+        self.belief()
+    }
+    fn angles(&self) -> &'static [usize] {
+        &[]
+    }
+}
+
+impl<const N: usize> Recordable<N> for ExtendedKalmanFilter<N> {
+    fn belief(&self) -> &Gaussian<N> {
+        self.belief()
+    }
+    fn angles(&self) -> &'static [usize] {
+        self.angles()
+    }
+}
+
+impl<F: Recordable<N>, const N: usize> Recorded<F, N> {
+    /// A filter whose past begins now.
+    pub fn new(filter: F) -> Self {
+        Recorded { past: Smoother::begin(*filter.belief(), filter.angles()), filter }
+    }
+
+    /// The filter as it is now.
+    pub fn filter(&self) -> &F {
+        &self.filter
+    }
+
+    /// What the filter believes now.
+    pub fn belief(&self) -> &Gaussian<N> {
+        self.filter.belief()
+    }
+
+    /// Its past, ready to be smoothed.
+    pub fn past(&self) -> &Smoother<N> {
+        &self.past
+    }
+}
+
+impl<const N: usize> Recorded<KalmanFilter<N>, N> {
+    /// See [`KalmanFilter::predict`].
+    ///
+    /// # Errors
+    /// Those of the filter; nothing is then recorded.
+    pub fn predict<const U: usize>(
+        &mut self,
+        motion: &LinearMotion<N, U>,
+        u: &SVector<f64, U>,
+    ) -> Result<()> {
+        self.filter.predict(motion, u)?;
+        let belief = *self.filter.belief();
+        let linear = LinearizedMotion {
+            state: belief.mean,
+            jacobian: *motion.transition(),
+            noise: *motion.noise(),
+        };
+        self.past.predicted(&linear, &belief);
+        Ok(())
+    }
+
+    /// See [`KalmanFilter::correct`].
+    ///
+    /// # Errors
+    /// Those of the filter; nothing is then recorded.
+    pub fn correct<const M: usize>(
+        &mut self,
+        sensor: &LinearMeasurement<N, M>,
+        z: &SVector<f64, M>,
+        gate: &Gate,
+    ) -> Result<Innovation<M>> {
+        let innovation = self.filter.correct(sensor, z, gate)?;
+        self.past.corrected(self.filter.belief());
+        Ok(innovation)
+    }
+}
+
+impl<const N: usize> Recorded<ExtendedKalmanFilter<N>, N> {
+    /// See [`ExtendedKalmanFilter::predict`].
+    ///
+    /// # Errors
+    /// Those of the filter; nothing is then recorded.
+    pub fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
+        let linear = motion.linearize(&self.filter.belief().mean);
+        self.filter.predict(motion)?;
+        self.past.predicted(&linear, self.filter.belief());
+        Ok(())
+    }
+
+    /// See [`ExtendedKalmanFilter::correct`].
+    ///
+    /// # Errors
+    /// Those of the filter; nothing is then recorded.
+    pub fn correct<const M: usize>(
+        &mut self,
+        sensor: &impl MeasurementModel<N, M>,
+        z: &SVector<f64, M>,
+        gate: &Gate,
+    ) -> Result<Innovation<M>> {
+        let innovation = self.filter.correct(sensor, z, gate)?;
+        self.past.corrected(self.filter.belief());
+        Ok(innovation)
+    }
+}

@@ -1,0 +1,128 @@
+//! `loc-sim convert`: a recording in another format.
+
+use super::Global;
+use super::progress::Progress;
+use super::replay::{Format, RosArgs, guess};
+use crate::convert::{Converted, Track, to_carmen, to_mcap, to_tum, transcribe};
+use crate::source::carmen::CarmenLog;
+use crate::source::laser_log::{LaserLog, ReplayOptions, Start};
+use crate::source::ranging::{RangeRecording, RangingStart};
+use crate::source::ros::{self, McapWriter};
+use crate::source::wean::WeanLog;
+use crate::source::{LaserRecording, Mrclam, RosRecording, Source};
+use crate::{Error, Result};
+use anyhow::bail;
+use loc_core::file::write_beside;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+/// Convert a recording into another format, as far as that has a place for what it holds.
+///
+/// A bag becomes an MCAP file with its own topics. From other recordings an MCAP file gets /odom,
+/// /scan, /tf and /ground_truth.
+#[derive(Debug, Clone, clap::Args)]
+pub struct ConvertArgs {
+    /// The recording, of any format that `replay` knows.
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
+    /// The file to write.
+    #[arg(value_name = "OUT")]
+    pub out: PathBuf,
+    /// What to write.
+    #[arg(long, value_enum, value_name = "F")]
+    pub to: Target,
+    /// The format of the recording; found by its contents where left out.
+    #[arg(long, value_name = "F")]
+    pub format: Option<Format>,
+    /// Number of the robot, in recordings of several.
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub robot: u32,
+    /// The track for a TUM file; the reference where there is one, if left out.
+    #[arg(long, value_enum, value_name = "T")]
+    pub track: Option<Track>,
+    /// What is said about a bag.
+    #[command(flatten)]
+    pub ros: RosArgs,
+}
+
+/// A format to write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Target {
+    /// An MCAP file of ROS 2.
+    Mcap,
+    /// A CARMEN log.
+    Carmen,
+    /// One track, a line `t x y z qx qy qz qw` a pose.
+    Tum,
+}
+
+/// Converts a recording and says what was written, and what had no place.
+///
+/// # Errors
+/// What is wrong with the recording, and what the operating system says; OUT is then as it was.
+pub fn convert(args: &ConvertArgs, global: &Global) -> anyhow::Result<()> {
+    let (log, out) = (args.log.as_path(), args.out.as_path());
+    let format = args.format.map_or_else(|| guess(log), Ok)?;
+    if args.track.is_some() && args.to != Target::Tum {
+        bail!("--track: expected --to tum, which holds one track, got another format");
+    }
+    let same = |a: &Path, b: &Path| a.canonicalize().ok().zip(b.canonicalize().ok());
+    if same(log, out).is_some_and(|(log, out)| log == out) {
+        bail!("{}: expected another file to write to than the recording", out.display());
+    }
+    args.ros.refuse_unless(format)?;
+    let mut progress = Progress::new("convert", global);
+    let mut tell = |share| progress.tell(share);
+    let converted = write_beside(out, |part| match (args.to, format) {
+        (Target::Mcap, Format::Ros) => {
+            transcribe(ros::open(log)?.as_mut(), McapWriter::create(part)?, &mut tell)
+        }
+        (Target::Mcap, _) => to_mcap(open(args, format)?.as_mut(), part, &mut tell),
+        (Target::Carmen, _) => {
+            let file = File::create(part).map_err(loc_core::Error::io(part))?;
+            to_carmen(open(args, format)?.as_mut(), BufWriter::new(file), out, &mut tell)
+        }
+        (Target::Tum, _) => {
+            let (track, converted) = to_tum(open(args, format)?.as_mut(), args.track, &mut tell)?;
+            std::fs::write(part, track.to_tum()).map_err(loc_core::Error::io(out))?;
+            Ok::<_, Error>(converted)
+        }
+    })?;
+    progress.finish();
+    tell_of(&converted, args, global)
+}
+
+fn tell_of(converted: &Converted, args: &ConvertArgs, global: &Global) -> anyhow::Result<()> {
+    if global.quiet {
+        return Ok(());
+    }
+    if global.json {
+        return super::print(&serde_json::to_string_pretty(converted)?);
+    }
+    let what = match args.to {
+        Target::Mcap => "messages",
+        Target::Carmen => "lines",
+        Target::Tum => "poses",
+    };
+    let mut lines = vec![format!("{} {what} written to {}", converted.written, args.out.display())];
+    lines.extend(converted.left_out.iter().map(|line| format!("note: {line}")));
+    super::print(&lines.join("\n"))
+}
+
+/// The recording as a stream.
+fn open(args: &ConvertArgs, format: Format) -> Result<Box<dyn Source>> {
+    let log = args.log.as_path();
+    let options = ReplayOptions { start: Start::Anywhere, ..ReplayOptions::default() };
+    let replayed = |log: LaserLog| LaserRecording::new(log, &options);
+    Ok(match format {
+        Format::Ros => Box::new(RosRecording::open(log, &options, &args.ros.options(0)?)?),
+        Format::Carmen => Box::new(replayed(CarmenLog::open(log)?.laser_log()?)?),
+        Format::Wean => Box::new(replayed(WeanLog::open(log)?.laser_log()?)?),
+        Format::Mrclam => Box::new(Mrclam::open(log, args.robot)?),
+        Format::UwbLabyrinth => Box::new(RangeRecording::labyrinth(log, &RangingStart::default())?),
+        Format::Plaza => {
+            Box::new(RangeRecording::plaza(log, args.robot, &RangingStart::default())?)
+        }
+    })
+}

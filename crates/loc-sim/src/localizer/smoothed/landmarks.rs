@@ -1,0 +1,52 @@
+//! `ekf`, smoothed.
+
+use super::in_order;
+use crate::Result;
+use crate::event::{Event, Measurement, Payload};
+use crate::localizer::Estimate;
+use crate::localizer::driven::DrivenVelocity;
+use crate::source::Setup;
+use loc_core::Twist2;
+use loc_filters::landmark::{LandmarkSettings, LandmarkSmoother};
+use loc_sensors::landmark_camera::Sighting;
+
+/// What the smoother is given.
+enum Input<'a> {
+    Velocity(Twist2),
+    Sightings(&'a [Sighting]),
+}
+
+pub(super) fn smoothed(
+    setup: &Setup,
+    settings: LandmarkSettings,
+    events: &[Event],
+    stamps: &[f64],
+) -> Result<Vec<Estimate>> {
+    let mut inputs = Vec::new();
+    // Poses of an odometry tell of velocities from the pose before on, in the order they came in.
+    let mut driven = DrivenVelocity::default();
+    for event in events {
+        match &event.payload {
+            Payload::Control(control) => {
+                let velocity = driven.of(event.stamp, control);
+                inputs.extend(velocity.map(|(from, twist)| (from, Input::Velocity(twist))));
+            }
+            Payload::Measurement(Measurement::Landmarks(sightings)) => {
+                inputs.push((event.stamp, Input::Sightings(sightings)));
+            }
+            _ => {}
+        }
+    }
+    let map = setup.landmarks.clone();
+    let mut drive = LandmarkSmoother::new(map, settings, setup.start, setup.start_belief)?;
+    for (stamp, input) in in_order(inputs, stamps) {
+        // Inputs from before the start belong to the start.
+        let stamp = stamp.max(setup.start);
+        match input {
+            Some(Input::Velocity(twist)) => drive.velocity(stamp, twist)?,
+            Some(Input::Sightings(sightings)) => drop(drive.sightings(stamp, sightings)?),
+            None => drive.mark(stamp)?,
+        }
+    }
+    Ok(drive.smooth()?.into_iter().map(Estimate::from).collect())
+}
