@@ -44,7 +44,7 @@ pub struct Global {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    List,
+    List(list::ListArgs),
     Run(run::RunArgs),
     Replay(Box<replay::ReplayArgs>),
     Info(info::InfoArgs),
@@ -64,7 +64,7 @@ impl Cli {
     pub fn execute(&self) -> anyhow::Result<()> {
         match &self.command {
             None => run::run(&run::RunArgs::default(), &self.global),
-            Some(Command::List) => list::list(&self.global),
+            Some(Command::List(args)) => list::list(args, &self.global),
             Some(Command::Run(args)) => run::run(args, &self.global),
             Some(Command::Replay(args)) => replay::replay(args, &self.global),
             Some(Command::Info(args)) => info::info(args, &self.global),

@@ -1,7 +1,7 @@
 //! `loc-sim sense`: one sensor, simulated and drawn.
 
 use super::Global;
-use crate::sense::{Reading, Request, SENSORS, recorded_scan, sense as simulate};
+use crate::sense::{Request, SENSORS, recorded_scan, sense as simulate};
 use anyhow::{Context, bail};
 use loc_core::Pose2;
 use std::path::{Path, PathBuf};
@@ -77,7 +77,7 @@ pub fn sense(args: &SenseArgs, global: &Global) -> anyhow::Result<()> {
     if global.json {
         return super::print(&serde_json::to_string_pretty(&reading.summary)?);
     }
-    super::print(&table(&reading))?;
+    super::print(&reading.lines().join("\n"))?;
     super::print(&format!("written to {}", folder.display()))
 }
 
@@ -101,20 +101,6 @@ fn list(global: &Global) -> anyhow::Result<()> {
         }
     }
     Ok(())
-}
-
-/// The figures, a line each.
-fn table(reading: &Reading) -> String {
-    let mut lines = vec![reading.title.clone()];
-    for (name, value) in &reading.results {
-        let value = match value.as_f64() {
-            Some(number) if value.is_f64() => format!("{number:.4}"),
-            _ if value.is_null() => "-".to_owned(),
-            _ => value.to_string(),
-        };
-        lines.push(format!("{name:<28} {value:>12}"));
-    }
-    lines.join("\n")
 }
 
 fn parse_pose(text: &str) -> crate::Result<Pose2> {

@@ -4,8 +4,10 @@
 //! with doors ([`mcl_1d`], M2), and what resampling does to a robot that stands still
 //! ([`diversity`], M11). The Bayes filter without particles is shown by a mailbox with a flag
 //! ([`mailbox`], F5) and by another corridor with doors ([`door_corridor`], K1), lateration
-//! in four rooms ([`lateration`], D1 to D4). A scenario asks for one of them by `[demonstration] kind = ".."`; the filters in them are those of `loc-pf` and
-//! `loc-filters`, nothing is made up for the picture.
+//! in four rooms ([`lateration`], D1 to D4). Random numbers ([`sampling`], F2 to F4), maps ([`maps`],
+//! C) and the perceptual model of a laser ([`perceptual_model`], K2) are shown by themselves. A
+//! scenario asks for one of them by `[demonstration] kind = ".."`; the filters in them are those of
+//! `loc-pf` and `loc-filters`, nothing is made up for the picture.
 //!
 //! ```
 //! use loc_sim::scenario::Scenario;
@@ -19,13 +21,19 @@ pub mod diversity;
 pub mod door_corridor;
 pub mod lateration;
 pub mod mailbox;
+pub mod maps;
 pub mod mcl_1d;
+pub mod perceptual_model;
+pub mod sampling;
 
 pub use diversity::{Diversity, DiversityConfig};
 pub use door_corridor::{DoorCorridor, DoorCorridorConfig};
 pub use lateration::{Lateration, LaterationConfig};
 pub use mailbox::{MailboxConfig, MailboxDiagnosis};
+pub use maps::{Maps, MapsConfig};
 pub use mcl_1d::{Mcl1d, Mcl1dConfig};
+pub use perceptual_model::PerceptualModelConfig;
+pub use sampling::{Sampling, SamplingConfig};
 
 use crate::Result;
 use crate::output::Illustration;
@@ -47,6 +55,12 @@ pub enum DemonstrationConfig {
     Mailbox(MailboxConfig),
     /// Markov localization in one dimension (K1).
     DoorCorridor(DoorCorridorConfig),
+    /// Random numbers (F2 to F4).
+    Sampling(SamplingConfig),
+    /// One world as every kind of map (C).
+    Maps(MapsConfig),
+    /// What a laser measures where a map lets expect something (K2).
+    PerceptualModel(PerceptualModelConfig),
 }
 
 impl DemonstrationConfig {
@@ -61,6 +75,9 @@ impl DemonstrationConfig {
             DemonstrationConfig::Lateration(config) => config.check(),
             DemonstrationConfig::Mailbox(config) => config.check(),
             DemonstrationConfig::DoorCorridor(config) => config.check(),
+            DemonstrationConfig::Sampling(config) => config.check(),
+            DemonstrationConfig::Maps(config) => config.check(),
+            DemonstrationConfig::PerceptualModel(config) => config.check(),
         }
     }
 
@@ -82,6 +99,11 @@ impl DemonstrationConfig {
             }
             DemonstrationConfig::DoorCorridor(config) => {
                 DoorCorridor::new(config, seed)?.illustrate(title)
+            }
+            DemonstrationConfig::Sampling(config) => Sampling::new(config, seed)?.illustrate(title),
+            DemonstrationConfig::Maps(config) => Maps::new(config)?.illustrate(),
+            DemonstrationConfig::PerceptualModel(config) => {
+                perceptual_model::illustrate(config, title, seed)?
             }
         })
     }

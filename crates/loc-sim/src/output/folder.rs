@@ -22,6 +22,15 @@ impl Folder {
         self.files.push((name.into(), bytes.into()));
     }
 
+    /// Adds the files of another folder, but for names that there are already.
+    pub fn extend(&mut self, other: &Folder) {
+        for (name, bytes) in &other.files {
+            if self.bytes(name).is_none() {
+                self.add_bytes(name.clone(), bytes.clone());
+            }
+        }
+    }
+
     /// The names of the files.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.files.iter().map(|(name, _)| name.as_str())

@@ -14,9 +14,16 @@ pub struct Illustration {
     pub summary: Value,
     /// The figures.
     pub figures: Vec<FigureFile>,
+    /// Other files: tables of raw numbers, settings.
+    pub data: Folder,
 }
 
 impl Illustration {
+    /// Figures with their numbers and nothing else.
+    pub fn new(lines: Vec<String>, summary: Value, figures: Vec<FigureFile>) -> Self {
+        Illustration { lines, summary, figures, data: Folder::default() }
+    }
+
     /// All files, ready to be written: `summary.json`, the figures, and `report.html`.
     ///
     /// # Errors
@@ -29,8 +36,9 @@ impl Illustration {
             report::plain(&self.lines.join("\n"), title, command, &self.figures),
         );
         for figure in &self.figures {
-            folder.add(figure.file, figure.svg.clone());
+            folder.add(figure.file.clone(), figure.svg.clone());
         }
+        folder.extend(&self.data);
         Ok(folder)
     }
 }

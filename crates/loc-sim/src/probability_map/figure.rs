@@ -34,8 +34,8 @@ pub(super) fn figure(map: &ProbabilityMap, title: &str, decades: f64) -> FigureF
         .frame("with the true heading", scene(map, &map.true_heading, decades))
         .bar(bar);
     FigureFile {
-        file: "probability.svg",
-        caption: "How likely the scan is at each place of the map",
+        file: "probability.svg".into(),
+        caption: "How likely the scan is at each place of the map".into(),
         svg: frames.render(),
     }
 }

@@ -140,7 +140,7 @@ impl ProbabilityMap {
             "headings": config.headings,
         });
         let figures = vec![figure::figure(self, title, config.decades)];
-        Illustration { lines, summary, figures }
+        Illustration::new(lines, summary, figures)
     }
 }
 

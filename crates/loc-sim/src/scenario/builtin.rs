@@ -6,10 +6,13 @@ use crate::{Error, Result};
 pub const DEFAULT: &str = "overview";
 
 /// Name and TOML text of every built-in scenario, in the order in which they are listed.
-pub const ALL: [(&str, &str); 22] = [
+pub const ALL: [(&str, &str); 38] = [
     ("overview", include_str!("../../scenarios/overview.toml")),
     ("kurt2-example", include_str!("../../scenarios/kurt2-example.toml")),
     ("circle-drive", include_str!("../../scenarios/circle-drive.toml")),
+    ("ackermann-drive", include_str!("../../scenarios/ackermann-drive.toml")),
+    ("mecanum-drive", include_str!("../../scenarios/mecanum-drive.toml")),
+    ("sampling", include_str!("../../scenarios/sampling.toml")),
     ("lateration", include_str!("../../scenarios/lateration.toml")),
     ("two-sensors", include_str!("../../scenarios/two-sensors.toml")),
     ("accelerated-vehicle", include_str!("../../scenarios/accelerated-vehicle.toml")),
@@ -25,10 +28,23 @@ pub const ALL: [(&str, &str); 22] = [
     ("slam-loop", include_str!("../../scenarios/slam-loop.toml")),
     ("slam-unnumbered", include_str!("../../scenarios/slam-unnumbered.toml")),
     ("position-tracking", include_str!("../../scenarios/position-tracking.toml")),
+    ("beam-model", include_str!("../../scenarios/beam-model.toml")),
     ("global-localization", include_str!("../../scenarios/global-localization.toml")),
     ("kidnapped-robot", include_str!("../../scenarios/kidnapped-robot.toml")),
     ("crowded-museum", include_str!("../../scenarios/crowded-museum.toml")),
     ("probability-map", include_str!("../../scenarios/probability-map.toml")),
+    ("perceptual-model", include_str!("../../scenarios/perceptual-model.toml")),
+    ("maps", include_str!("../../scenarios/maps.toml")),
+    ("wheel-sensor", include_str!("../../scenarios/wheel-sensor.toml")),
+    ("steering-encoder", include_str!("../../scenarios/steering-encoder.toml")),
+    ("inertial-sensor", include_str!("../../scenarios/inertial-sensor.toml")),
+    ("compass", include_str!("../../scenarios/compass.toml")),
+    ("landmark-camera", include_str!("../../scenarios/landmark-camera.toml")),
+    ("depth-camera", include_str!("../../scenarios/depth-camera.toml")),
+    ("laser-scanner", include_str!("../../scenarios/laser-scanner.toml")),
+    ("radar", include_str!("../../scenarios/radar.toml")),
+    ("gps", include_str!("../../scenarios/gps.toml")),
+    ("sonar", include_str!("../../scenarios/sonar.toml")),
 ];
 
 /// The TOML text of a built-in scenario.

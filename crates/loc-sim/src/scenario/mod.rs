@@ -14,9 +14,11 @@
 pub mod builtin;
 mod fastslam;
 mod filter;
+pub mod ids;
 mod landmark_mcl;
 mod lateration;
 pub mod recording;
+mod sensor;
 mod shorthand;
 mod slam;
 
@@ -25,6 +27,7 @@ pub use filter::FilterConfig;
 pub use landmark_mcl::LandmarkMclConfig;
 pub use lateration::LaterationConfig;
 pub use recording::{RecordingConfig, StartConfig};
+pub use sensor::SensorConfig;
 pub use slam::SlamConfig;
 
 use crate::demonstration::DemonstrationConfig;
@@ -68,6 +71,8 @@ pub struct Scenario {
     pub probability_map: Option<ProbabilityMapConfig>,
     /// What a method does inside; no method runs on it.
     pub demonstration: Option<DemonstrationConfig>,
+    /// A sensor that looks once, or along a drive; no method runs on it.
+    pub sensor: Option<SensorConfig>,
     /// Settings of the methods; what is left out follows the simulated sensors.
     pub filter: Option<FilterConfig>,
     /// The name of a left-handed frame in which final poses are printed as well: `kurt2`.
@@ -81,6 +86,7 @@ enum Kind<'a> {
     Tour(&'a TourConfig),
     ProbabilityMap(&'a ProbabilityMapConfig),
     Demonstration(&'a DemonstrationConfig),
+    Sensor(&'a SensorConfig),
 }
 
 impl Scenario {
@@ -144,6 +150,7 @@ impl Scenario {
             Kind::Tour(tour) => tour.check()?,
             Kind::ProbabilityMap(map) => map.check()?,
             Kind::Demonstration(demonstration) => demonstration.check()?,
+            Kind::Sensor(sensor) => sensor.check()?,
         }
         self.settings().map(|_| ())
     }
@@ -156,6 +163,7 @@ impl Scenario {
             self.tour.as_ref().map(Kind::Tour),
             self.probability_map.as_ref().map(Kind::ProbabilityMap),
             self.demonstration.as_ref().map(Kind::Demonstration),
+            self.sensor.as_ref().map(Kind::Sensor),
         ];
         let mut given = kinds.into_iter().flatten();
         match (given.next(), given.next()) {
@@ -163,7 +171,7 @@ impl Scenario {
             (first, _) => {
                 let found = if first.is_some() { "several" } else { "none" };
                 Err(config::field(
-                    "drive, rail, tour, probability_map, demonstration",
+                    "drive, rail, tour, probability_map, demonstration, sensor",
                     "one of them",
                     found,
                 ))
@@ -190,6 +198,7 @@ impl Scenario {
             Kind::Tour(tour) => Box::new(SimulatedTour::new(&self.name, tour, seed)?),
             Kind::ProbabilityMap(_) => return Err(self.unmoved("probability_map")),
             Kind::Demonstration(_) => return Err(self.unmoved("demonstration")),
+            Kind::Sensor(_) => return Err(self.unmoved("sensor")),
         })
     }
 
@@ -204,10 +213,8 @@ impl Scenario {
     pub fn settings(&self) -> Result<MethodSettings> {
         let sensors = match self.kind()? {
             Kind::Drive(drive) => drive.settings()?,
-            Kind::Rail(_) | Kind::ProbabilityMap(_) | Kind::Demonstration(_) => {
-                LandmarkSettings::default()
-            }
             Kind::Tour(tour) => tour.sights()?,
+            _ => LandmarkSettings::default(),
         };
         let filter = self.filter.clone().unwrap_or_default();
         let mut settings = filter.methods(sensors)?;
@@ -234,6 +241,7 @@ impl Scenario {
             Kind::Demonstration(demonstration) => {
                 Some(demonstration.illustrate(&self.title, seed)?)
             }
+            Kind::Sensor(sensor) => Some(sensor.illustrate(seed)?),
             Kind::Drive(_) | Kind::Rail(_) | Kind::Tour(_) => None,
         })
     }

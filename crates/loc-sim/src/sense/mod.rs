@@ -103,12 +103,7 @@ pub static SENSORS: [Sensor; 10] = [
 /// pose that is not in free space and for settings that do not exist, [`Error::Map`] and
 /// [`Error::Core`] for maps that cannot be read and values out of range.
 pub fn sense(request: &Request) -> Result<Reading> {
-    let names = SENSORS.iter().map(|sensor| sensor.name);
-    let index = pick("sensor", names, &request.sensor)?;
-    let sensor = &SENSORS[index];
-    let presets = sensor.presets.iter().map(|(name, _)| *name);
-    let preset = request.preset.as_deref().or(presets.clone().next()).unwrap_or_default();
-    let (preset, _) = sensor.presets[pick("preset", presets, preset)?];
+    let (sensor, preset) = request.sensor()?;
     let place = match (&request.map, &request.world) {
         (Some(map), _) => Place::open(map)?,
         (None, Some(world)) => Place::named(world, request.seed)?,
@@ -131,6 +126,44 @@ pub fn sense(request: &Request) -> Result<Reading> {
     folder.add("summary.json", format!("{summary:#}\n"));
     let title = format!("{} ({preset}) in {}, at {}", sensor.name, place.name(), taken.pose);
     Ok(Reading { title, results: taken.results, summary, folder })
+}
+
+impl Request {
+    /// Checks the names, without a simulation.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`].
+    pub fn check(&self) -> Result<()> {
+        self.sensor()?;
+        self.world.as_deref().map_or(Ok(0), |world| pick("world", WORLDS.into_iter(), world))?;
+        Ok(())
+    }
+
+    /// The sensor, and the name of its data sheet.
+    fn sensor(&self) -> Result<(&'static Sensor, &'static str)> {
+        let names = SENSORS.iter().map(|sensor| sensor.name);
+        let sensor = &SENSORS[pick("sensor", names, &self.sensor)?];
+        let presets = sensor.presets.iter().map(|(name, _)| *name);
+        let preset = self.preset.as_deref().or(presets.clone().next()).unwrap_or_default();
+        let (preset, _) = sensor.presets[pick("preset", presets, preset)?];
+        Ok((sensor, preset))
+    }
+}
+
+impl Reading {
+    /// The figures for people, a line each.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = vec![self.title.clone()];
+        for (name, value) in &self.results {
+            let value = match value.as_f64() {
+                Some(number) if value.is_f64() => format!("{number:.4}"),
+                _ if value.is_null() => "-".to_owned(),
+                _ => value.to_string(),
+            };
+            lines.push(format!("{name:<28} {value:>12}"));
+        }
+        lines
+    }
 }
 
 /// The place of a name in a list.

@@ -62,7 +62,11 @@ fn stage(
     // The report needs the pictures, not their files' names.
     let pictures: Vec<FigureFile> = drawn
         .iter()
-        .map(|figure| FigureFile { file: "", caption: figure.caption, svg: figure.svg.clone() })
+        .map(|figure| FigureFile {
+            file: "".into(),
+            caption: figure.caption.to_owned().into(),
+            svg: figure.svg.clone(),
+        })
         .collect();
     let title = format!("Study: {}", results.title);
     let report = crate::output::plain(&table(results), &title, command, &pictures);

@@ -254,3 +254,36 @@ fn the_corridor_is_told_apart_by_its_doors() {
         assert!(near > 0.95, "seed {seed}: {near}");
     }
 }
+
+/// The moments of each way to draw: exact for all but the tails of the stand-ins.
+#[test]
+fn draws_have_the_moments_of_their_distributions() {
+    use loc_sim::demonstration::{Sampling, SamplingConfig};
+    let config = SamplingConfig { draws: 40_000, sigma: 2.0, correlation: 0.6 };
+    let sampling = Sampling::new(&config, 3).unwrap();
+    // Means of 40 000 draws err by 0.01 in one standard deviation.
+    let means = [0.0, 0.0, 0.0, 2.0];
+    let third = [0.9973, 0.9983, 1.0, 0.9817];
+    for ((kind, mean), third) in sampling.kinds.iter().zip(means).zip(third) {
+        let moments = kind.moments();
+        assert!((moments.mean - mean).abs() < 0.04, "{} {moments:?}", kind.name);
+        assert!((moments.sigma - 2.0).abs() < 0.05, "{} {moments:?}", kind.name);
+        assert!((moments.within[2] - third).abs() < 0.002, "{} {moments:?}", kind.name);
+    }
+    assert!((sampling.correlation() - 0.6).abs() < 0.015);
+    assert!(Sampling::new(&SamplingConfig { correlation: 1.5, ..config }, 1).is_err());
+}
+
+/// What was put in front of the beams is what the fit finds, as far as shorter ranges count: those
+/// below the scanner's least range are no ranges.
+#[test]
+fn the_perceptual_model_finds_what_was_put_in() {
+    let scenario =
+        Scenario::named("perceptual-model", &["demonstration.places=60".into()]).unwrap();
+    let summary = scenario.illustrate(5).unwrap().unwrap().summary;
+    let fitted = &summary["fitted"];
+    let of = |key: &str| fitted[key].as_f64().unwrap();
+    assert!((of("sigma_hit") - 0.012).abs() < 0.001, "{fitted}");
+    assert!((of("z_max") - 0.03).abs() < 0.01, "{fitted}");
+    assert!((0.06..0.12).contains(&of("z_short")), "{fitted}");
+}

@@ -9,12 +9,14 @@ mod consistency;
 mod convergence;
 mod convert;
 mod demonstration;
+mod drives;
 #[cfg(feature = "cli")]
 mod eval;
 mod evo;
 mod figures;
 #[cfg(feature = "cli")]
 mod fit_beam;
+mod ids;
 mod landmark_mcl;
 mod layering;
 mod line_matching;

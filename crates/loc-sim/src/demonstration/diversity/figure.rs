@@ -24,8 +24,8 @@ pub(super) fn figure(diversity: &Diversity, title: &str) -> FigureFile {
         .panel(scattered)
         .panel(seldom);
     FigureFile {
-        file: "diversity.svg",
-        caption: "Number of particles whose descendants survive resampling, over time",
+        file: "diversity.svg".into(),
+        caption: "Number of particles whose descendants survive resampling, over time".into(),
         svg: figure.render(),
     }
 }

@@ -138,7 +138,7 @@ impl Diversity {
                 "seldom": left(&self.seldom),
             },
         });
-        Illustration { lines, summary, figures: vec![figure::figure(self, title)] }
+        Illustration::new(lines, summary, vec![figure::figure(self, title)])
     }
 }
 

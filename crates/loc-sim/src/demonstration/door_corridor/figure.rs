@@ -17,8 +17,8 @@ pub(super) fn figure(corridor: &DoorCorridor, title: &str) -> FigureFile {
         figure = figure.panel(panel(corridor, step));
     }
     FigureFile {
-        file: "beliefs.svg",
-        caption: "The belief over the places of a corridor after each step",
+        file: "beliefs.svg".into(),
+        caption: "The belief over the places of a corridor after each step".into(),
         svg: figure.render(),
     }
 }

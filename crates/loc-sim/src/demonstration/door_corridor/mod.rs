@@ -153,7 +153,7 @@ impl DoorCorridor {
         });
         let summary = json!({"cells": self.steps[0].belief.probabilities().len(),
             "steps": steps.collect::<Vec<_>>()});
-        Illustration { lines, summary, figures: vec![figure::figure(self, title)] }
+        Illustration::new(lines, summary, vec![figure::figure(self, title)])
     }
 }
 

@@ -25,9 +25,11 @@ pub(super) fn figure(demonstration: &Lateration, title: &str) -> FigureFile {
         frames = frames.frame(format!("{letter}: {}", room.name), scene(room, &window));
     }
     FigureFile {
-        file: "lateration.svg",
-        caption: "Landmarks, measured distances, the place found with its error ellipse, the other \
-                  place, and where further measurements put the robot",
+        file: "lateration.svg".into(),
+        caption:
+            "Landmarks, measured distances, the place found with its error ellipse, the other \
+                  place, and where further measurements put the robot"
+                .into(),
         svg: frames.render(),
     }
 }

@@ -92,7 +92,7 @@ impl Lateration {
         }
         let rooms: Vec<Value> = self.rooms.iter().map(Room::summary).collect();
         let summary = json!({"range_sigma_m": self.config.range_sigma_m, "rooms": rooms});
-        Illustration { lines, summary, figures: vec![figure::figure(self, title)] }
+        Illustration::new(lines, summary, vec![figure::figure(self, title)])
     }
 }
 

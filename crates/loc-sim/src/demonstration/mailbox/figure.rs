@@ -32,7 +32,11 @@ pub(super) fn figure(diagnosis: &MailboxDiagnosis, title: &str) -> FigureFile {
         stationary(diagnosis)
     );
     let svg = Figure::new(title).subtitle(subtitle).x_label("day").panel(chart).render();
-    FigureFile { file: "mailbox.svg", caption: "Belief in a full mailbox, day by day", svg }
+    FigureFile {
+        file: "mailbox.svg".into(),
+        caption: "Belief in a full mailbox, day by day".into(),
+        svg,
+    }
 }
 
 /// P(full) of a mailbox at which nobody has looked for long.

@@ -182,7 +182,7 @@ impl MailboxDiagnosis {
             "full_if_down": self.full_if_down,
             "days": days.collect::<Vec<_>>(),
         });
-        Illustration { lines, summary, figures: vec![figure::figure(self, title)] }
+        Illustration::new(lines, summary, vec![figure::figure(self, title)])
     }
 }
 

@@ -21,8 +21,8 @@ pub(super) fn figure(demonstration: &Mcl1d, title: &str) -> FigureFile {
         figure = figure.panel(panel(demonstration, stage));
     }
     FigureFile {
-        file: "stages.svg",
-        caption: "Particles with their weights in a corridor with doors, in five stages",
+        file: "stages.svg".into(),
+        caption: "Particles with their weights in a corridor with doors, in five stages".into(),
         svg: figure.render(),
     }
 }

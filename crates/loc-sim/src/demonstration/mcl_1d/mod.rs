@@ -151,7 +151,7 @@ impl Mcl1d {
         });
         let summary = json!({"particles": self.config.particles,
             "stages": stages.collect::<Vec<_>>()});
-        Illustration { lines, summary, figures: vec![figure::figure(self, title)] }
+        Illustration::new(lines, summary, vec![figure::figure(self, title)])
     }
 }
 

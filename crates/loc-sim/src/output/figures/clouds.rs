@@ -34,8 +34,8 @@ pub(super) fn clouds(run: &Run) -> Option<FigureFile> {
         frames = frames.frame(moment.caption(), moment.scene(Role::Method(k), POINTER * size));
     }
     Some(FigureFile {
-        file: "clouds.svg",
-        caption: "The particles over the map at twelve moments, with the true pose",
+        file: "clouds.svg".into(),
+        caption: "The particles over the map at twelve moments, with the true pose".into(),
         svg: frames.render(),
     })
 }

@@ -51,8 +51,8 @@ pub(super) fn errors(run: &Run) -> FigureFile {
         figure = figure.panel(spread);
     }
     FigureFile {
-        file: "errors.svg",
-        caption: "Position error, heading error and NEES over time",
+        file: "errors.svg".into(),
+        caption: "Position error, heading error and NEES over time".into(),
         svg: with_kidnapping(run, figure.panel(nees)).render(),
     }
 }
@@ -90,8 +90,8 @@ pub(super) fn consistency(run: &Run) -> Option<FigureFile> {
         figure = figure.panel(chart);
     }
     Some(FigureFile {
-        file: "consistency.svg",
-        caption: "Error of each coordinate inside two standard deviations",
+        file: "consistency.svg".into(),
+        caption: "Error of each coordinate inside two standard deviations".into(),
         svg: with_kidnapping(run, figure).render(),
     })
 }

@@ -28,8 +28,8 @@ pub(super) fn lines(run: &Run) -> Option<FigureFile> {
         frames = frames.frame(caption(time, value), scene(value, Role::Method(k)));
     }
     Some(FigureFile {
-        file: "lines.svg",
-        caption: "Lines of a scan, lines that the map predicts, and the pairs of both",
+        file: "lines.svg".into(),
+        caption: "Lines of a scan, lines that the map predicts, and the pairs of both".into(),
         svg: frames.render(),
     })
 }

@@ -60,8 +60,9 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
         scene = scene.crosses(Role::Landmark, "landmark", landmarks);
     }
     FigureFile {
-        file: "map.svg",
-        caption: "True and estimated paths with 2-sigma ellipses, landmarks and measurements",
+        file: "map.svg".into(),
+        caption: "True and estimated paths with 2-sigma ellipses, landmarks and measurements"
+            .into(),
         svg: scene.render(),
     }
 }

@@ -8,14 +8,15 @@ mod rail;
 mod resampling;
 
 use crate::record::Run;
+use std::borrow::Cow;
 
 /// A figure, ready to be written.
 #[derive(Debug, Clone)]
 pub struct FigureFile {
     /// Its file name.
-    pub file: &'static str,
+    pub file: Cow<'static, str>,
     /// What it shows, for people who cannot see it.
-    pub caption: &'static str,
+    pub caption: Cow<'static, str>,
     /// The SVG text.
     pub svg: String,
 }

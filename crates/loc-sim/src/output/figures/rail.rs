@@ -31,8 +31,8 @@ fn drive(run: &Run, title: &str) -> FigureFile {
     speed = speed.line(Role::Truth.dotted(), "truth", true_speed);
     let figure = Figure::new(title).subtitle("with 2 standard deviations").x_label("time [s]");
     FigureFile {
-        file: "rail.svg",
-        caption: "Position and speed over time, with two standard deviations",
+        file: "rail.svg".into(),
+        caption: "Position and speed over time, with two standard deviations".into(),
         svg: figure.panel(position).panel(speed).render(),
     }
 }
@@ -58,8 +58,8 @@ fn density(run: &Run) -> FigureFile {
     }
     let figure = Figure::new(format!("Where the methods believe to be after {end:.1} s"));
     FigureFile {
-        file: "density.svg",
-        caption: "Densities of the position at the end",
+        file: "density.svg".into(),
+        caption: "Densities of the position at the end".into(),
         svg: figure.x_label("position [m]").panel(chart).render(),
     }
 }
@@ -82,8 +82,8 @@ fn accuracy(run: &Run) -> FigureFile {
     speed = speed.line(role, label, line(1));
     let figure = Figure::new("Accuracy with and without corrections").x_label("time [s]");
     FigureFile {
-        file: "accuracy.svg",
-        caption: "Standard deviations of position and speed over time",
+        file: "accuracy.svg".into(),
+        caption: "Standard deviations of position and speed over time".into(),
         svg: figure.panel(position).panel(speed).render(),
     }
 }

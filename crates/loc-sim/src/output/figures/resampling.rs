@@ -37,8 +37,8 @@ pub(super) fn resampling(run: &Run) -> Option<FigureFile> {
         frames = frames.frame(format!("{time:.1} s, resampled"), scene(&cloud.particles));
     }
     Some(FigureFile {
-        file: "resampling.svg",
-        caption: "Clouds before and after resampling with their covariances",
+        file: "resampling.svg".into(),
+        caption: "Clouds before and after resampling with their covariances".into(),
         svg: frames.render(),
     })
 }

@@ -110,7 +110,7 @@ fn drawings(figures: &[FigureFile]) -> String {
         let _ = writeln!(
             html,
             "<figure role=\"img\" aria-label=\"{0}\">\n{svg}\n<figcaption>{0}</figcaption></figure>",
-            escape(figure.caption)
+            escape(&figure.caption)
         );
     }
     html

@@ -1,8 +1,16 @@
 //! What moves a simulated robot, and how it feels its own motion.
 
+mod ackermann;
+mod mecanum;
+
+pub use ackermann::AckermannConfig;
+pub use mecanum::MecanumConfig;
+
+use super::{DriveConfig, Segment};
 use crate::Result;
 use crate::config::field;
 use crate::source::OdometryNoiseConfig;
+use ackermann::AckermannOdometry;
 use loc_core::Twist2;
 use loc_core::kinematics::Differential;
 use loc_core::motion::VelocityNoise;
@@ -32,11 +40,13 @@ pub struct LegConfig {
     pub noise: OdometryNoiseConfig,
 }
 
-/// The odometry of a robot on wheels or legs.
+/// The odometry of a robot.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum BodyOdometry {
     Wheels(WheelOdometry),
-    Legs(VelocityNoise),
+    Ackermann(AckermannOdometry),
+    /// Of legs, and of wheels that go in every direction.
+    Velocity(VelocityNoise),
 }
 
 /// What a robot stands on.
@@ -44,40 +54,82 @@ pub(super) enum BodyOdometry {
 pub(super) enum Body<'a> {
     Wheels(&'a WheelConfig),
     Legs(&'a LegConfig),
+    Ackermann(&'a AckermannConfig),
+    Mecanum(&'a MecanumConfig),
 }
 
 impl<'a> Body<'a> {
-    /// The one of the two that is given.
+    /// The one that is given.
     ///
     /// # Errors
-    /// [`crate::Error::Config`] for none and both.
-    pub(super) fn of(wheels: Option<&'a WheelConfig>, legs: Option<&'a LegConfig>) -> Result<Self> {
-        match (wheels, legs) {
-            (Some(wheels), None) => Ok(Body::Wheels(wheels)),
-            (None, Some(legs)) => Ok(Body::Legs(legs)),
-            (Some(_), Some(_)) => Err(field("drive.wheels, drive.legs", "one of the two", "both")),
-            (None, None) => Err(field("drive.wheels, drive.legs", "one of the two", "none")),
+    /// [`crate::Error::Config`] for none and for several.
+    pub(super) fn of(drive: &'a DriveConfig) -> Result<Self> {
+        let given = [
+            drive.wheels.as_ref().map(Body::Wheels),
+            drive.legs.as_ref().map(Body::Legs),
+            drive.ackermann.as_ref().map(Body::Ackermann),
+            drive.mecanum.as_ref().map(Body::Mecanum),
+        ];
+        let mut given = given.into_iter().flatten();
+        match (given.next(), given.next()) {
+            (Some(body), None) => Ok(body),
+            (first, _) => {
+                let keys = "drive.wheels, drive.legs, drive.ackermann, drive.mecanum";
+                Err(field(keys, "one of them", if first.is_some() { "several" } else { "none" }))
+            }
         }
     }
 
-    /// The velocity at given speeds of two wheels \[m/s\]; `None` for a robot on legs.
-    pub(super) fn by_wheels(self, left: f64, right: f64) -> Result<Option<Twist2>> {
-        Ok(match self {
-            Body::Wheels(wheels) => Some(Differential::new(wheels.track_m)?.twist(left, right)),
-            Body::Legs(_) => None,
+    /// The velocity that the wheels give, where the segment says how they move.
+    pub(super) fn by_wheels(self, segment: &Segment) -> Result<Option<Twist2>> {
+        let Segment { v_m_s, steering_deg, left_m_s, right_m_s, wheels_m_s, .. } = *segment;
+        Ok(match (self, left_m_s, right_m_s, steering_deg, wheels_m_s) {
+            (Body::Wheels(wheels), Some(left), Some(right), None, None) if v_m_s.is_none() => {
+                Some(Differential::new(wheels.track_m)?.twist(left, right))
+            }
+            (Body::Ackermann(car), None, None, Some(steering), None) => {
+                Some(car.kinematics()?.twist(v_m_s.unwrap_or(0.0), steering.to_radians()))
+            }
+            (Body::Mecanum(drive), None, None, None, Some(speeds)) if v_m_s.is_none() => {
+                Some(drive.twist(speeds)?)
+            }
+            _ => None,
         })
+    }
+
+    /// How a segment may be given.
+    pub(super) fn ways(self) -> &'static str {
+        match self {
+            Body::Wheels(_) => "v_m_s with omega_deg_s, or left_m_s with right_m_s",
+            Body::Legs(_) => "v_m_s, sideways_m_s and omega_deg_s",
+            Body::Ackermann(_) => "v_m_s with steering_deg, or v_m_s with omega_deg_s",
+            Body::Mecanum(_) => "v_m_s, sideways_m_s and omega_deg_s, or four wheels_m_s",
+        }
+    }
+
+    /// Whether it can move like this by itself.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::ImpossibleMotion`] for a car that is to turn on the spot.
+    pub(super) fn check(self, twist: Twist2) -> Result<()> {
+        if let Body::Ackermann(car) = self {
+            car.kinematics()?.wheels(twist)?;
+        }
+        Ok(())
     }
 
     /// Whether it can go sideways.
     pub(super) fn can_sidestep(self) -> bool {
-        matches!(self, Body::Legs(_))
+        matches!(self, Body::Legs(_) | Body::Mecanum(_))
     }
 
     /// Random errors of its odometry.
     pub(super) fn noise(self) -> Result<VelocityNoise> {
         match self {
-            Body::Wheels(wheels) => {
-                wheels.noise.map_or(Ok(VelocityNoise::NONE), |noise| noise.noise())
+            Body::Wheels(WheelConfig { noise, .. })
+            | Body::Ackermann(AckermannConfig { noise, .. })
+            | Body::Mecanum(MecanumConfig { noise, .. }) => {
+                noise.map_or(Ok(VelocityNoise::NONE), |noise| noise.noise())
             }
             Body::Legs(legs) => legs.noise.noise(),
         }
@@ -90,28 +142,43 @@ impl<'a> Body<'a> {
                 let odometry = WheelOdometry::new(wheels.track_m)?.with_noise(noise);
                 BodyOdometry::Wheels(odometry.with_faults(wheels.faults)?)
             }
-            Body::Legs(_) => BodyOdometry::Legs(noise),
+            Body::Ackermann(car) => BodyOdometry::Ackermann(car.odometry(noise)?),
+            Body::Legs(_) | Body::Mecanum(_) => BodyOdometry::Velocity(noise),
         })
     }
 }
 
 impl BodyOdometry {
     /// The velocity that it reports of a step of `dt` \[s\] at the true velocity `twist`.
-    pub(super) fn measure<R: Rng + ?Sized>(&self, twist: Twist2, dt: f64, rng: &mut R) -> Twist2 {
+    pub(super) fn measure<R: Rng + ?Sized>(
+        &mut self,
+        twist: Twist2,
+        dt: f64,
+        rng: &mut R,
+    ) -> Twist2 {
         match self {
             BodyOdometry::Wheels(wheels) => wheels.measure(twist, dt, rng),
-            BodyOdometry::Legs(noise) => {
-                let sigmas = noise.variances(twist, dt).map(f64::sqrt);
-                let mut draw = |mean: f64, sigma: f64| -> f64 {
-                    let unit: f64 = StandardNormal.sample(rng);
-                    mean + sigma * unit
-                };
-                Twist2 {
-                    vx: draw(twist.vx, sigmas.x),
-                    vy: draw(twist.vy, sigmas.y),
-                    omega: draw(twist.omega, sigmas.z),
-                }
-            }
+            BodyOdometry::Ackermann(car) => car.measure(twist, dt, rng),
+            BodyOdometry::Velocity(noise) => disturbed(noise, twist, dt, rng),
         }
+    }
+}
+
+/// A velocity with random errors (E7).
+fn disturbed<R: Rng + ?Sized>(
+    noise: &VelocityNoise,
+    twist: Twist2,
+    dt: f64,
+    rng: &mut R,
+) -> Twist2 {
+    let sigmas = noise.variances(twist, dt).map(f64::sqrt);
+    let mut draw = |mean: f64, sigma: f64| -> f64 {
+        let unit: f64 = StandardNormal.sample(rng);
+        mean + sigma * unit
+    };
+    Twist2 {
+        vx: draw(twist.vx, sigmas.x),
+        vy: draw(twist.vy, sigmas.y),
+        omega: draw(twist.omega, sigmas.z),
     }
 }

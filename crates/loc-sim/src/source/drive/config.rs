@@ -1,6 +1,6 @@
 //! The configuration of a simulated robot in the plane.
 
-use super::body::{Body, LegConfig, WheelConfig};
+use super::body::{AckermannConfig, Body, LegConfig, MecanumConfig, WheelConfig};
 use crate::Result;
 use crate::config::field;
 use crate::source::SightNoiseConfig;
@@ -23,10 +23,14 @@ pub struct DriveConfig {
     pub start: StartConfig,
     /// The course, piece by piece.
     pub course: Vec<Segment>,
-    /// The wheels and their odometry. Either this or `legs`.
+    /// The wheels of a differential drive and their odometry. One of this and the following.
     pub wheels: Option<WheelConfig>,
     /// Legs and their odometry.
     pub legs: Option<LegConfig>,
+    /// The steering of a car.
+    pub ackermann: Option<AckermannConfig>,
+    /// Wheels that go in every direction.
+    pub mecanum: Option<MecanumConfig>,
     /// The camera, if there is one.
     pub camera: Option<CameraConfig>,
     /// A generated world with its landmarks. Either this or `landmarks`.
@@ -53,7 +57,7 @@ pub struct StartConfig {
 }
 
 /// A piece of the course at constant velocity: either `v_m_s`, `sideways_m_s` and `omega_deg_s`, or
-/// the speeds of the two wheels.
+/// what the wheels do.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
@@ -61,7 +65,7 @@ pub struct Segment {
     pub duration_s: f64,
     /// Forward speed.
     pub v_m_s: Option<f64>,
-    /// Speed to the left, of a robot on legs.
+    /// Speed to the left, of a robot on legs or on Mecanum wheels.
     pub sideways_m_s: Option<f64>,
     /// Turn rate, counter-clockwise.
     pub omega_deg_s: Option<f64>,
@@ -69,6 +73,10 @@ pub struct Segment {
     pub left_m_s: Option<f64>,
     /// Speed of the right wheel.
     pub right_m_s: Option<f64>,
+    /// Steering angle of a car, counter-clockwise.
+    pub steering_deg: Option<f64>,
+    /// Rim speeds of Mecanum wheels: front left and right, rear left and right.
+    pub wheels_m_s: Option<[f64; 4]>,
 }
 
 /// A camera that sees landmarks.
@@ -175,38 +183,36 @@ impl DriveConfig {
     /// [`crate::Error::Config`] unless it is given in exactly one of the two ways.
     pub(crate) fn twist(&self, segment: &Segment) -> Result<Twist2> {
         let body = self.body()?;
-        let Segment { v_m_s, sideways_m_s, omega_deg_s, left_m_s, right_m_s, .. } = *segment;
+        let Segment { v_m_s, sideways_m_s, omega_deg_s, .. } = *segment;
         let by_body = v_m_s.is_some() || sideways_m_s.is_some();
-        let by_wheels = omega_deg_s.is_none() && !by_body;
-        let from_wheels = match (left_m_s, right_m_s) {
-            (Some(left), Some(right)) if by_wheels => body.by_wheels(left, right)?,
-            _ => None,
-        };
-        let omega = omega_deg_s.unwrap_or(0.0).to_radians();
+        let turns = omega_deg_s.is_some();
+        let from_wheels = if turns { None } else { body.by_wheels(segment)? };
+        let names_wheels = segment.left_m_s.is_some()
+            || segment.right_m_s.is_some()
+            || segment.steering_deg.is_some()
+            || segment.wheels_m_s.is_some();
         let sidesteps = sideways_m_s.is_some() && !body.can_sidestep();
         let twist = match from_wheels {
-            Some(twist) => twist,
-            None if by_body && left_m_s.is_none() && right_m_s.is_none() && !sidesteps => {
+            Some(twist) if sideways_m_s.is_none() => twist,
+            None if by_body && !names_wheels && !sidesteps => {
+                let omega = omega_deg_s.unwrap_or(0.0).to_radians();
                 Twist2::new(v_m_s.unwrap_or(0.0), sideways_m_s.unwrap_or(0.0), omega)
             }
-            None => {
-                let expected = "v_m_s with omega_deg_s, or left_m_s with right_m_s; on legs also \
-                                sideways_m_s";
-                return Err(field("drive.course", expected, &format!("{segment:?}")));
-            }
+            _ => return Err(field("drive.course", body.ways(), &format!("{segment:?}"))),
         };
         finite("drive.course: speed [m/s]", twist.vx)?;
         finite("drive.course: speed to the left [m/s]", twist.vy)?;
         finite("drive.course: turn rate [rad/s]", twist.omega)?;
+        body.check(twist)?;
         Ok(twist)
     }
 
     /// What the robot stands on.
     ///
     /// # Errors
-    /// [`crate::Error::Config`] unless it is wheels or legs.
+    /// [`crate::Error::Config`] unless it is one thing.
     pub(super) fn body(&self) -> Result<Body<'_>> {
-        Body::of(self.wheels.as_ref(), self.legs.as_ref())
+        Body::of(self)
     }
 
     /// The landmarks as a map, and the floor that they stand on, where it is known.

@@ -3,7 +3,7 @@
 mod body;
 mod config;
 
-pub use body::{LegConfig, WheelConfig};
+pub use body::{AckermannConfig, LegConfig, MecanumConfig, WheelConfig};
 pub use config::{CameraConfig, DriveConfig, LandmarkConfig, Segment, StartConfig};
 
 use super::reorder::Reorder;
