@@ -10,6 +10,20 @@ pub enum Error {
     /// A map is wrong.
     #[error(transparent)]
     Map(#[from] loc_maps::Error),
+    /// A map has no place for a robot.
+    #[error("map of {width} x {height} cells: expected at least one free cell, got none")]
+    NoFreeSpace {
+        /// Number of columns.
+        width: usize,
+        /// Number of rows.
+        height: usize,
+    },
+    /// A robot is said to be where it cannot be.
+    #[error("{what}: expected a free place within reach, got none")]
+    NoRoom {
+        /// What was said.
+        what: &'static str,
+    },
     /// A measurement holds NaN or infinity.
     #[error("{what}: expected finite numbers, got {found}")]
     NotFinite {

@@ -211,6 +211,7 @@ impl Tape {
                 estimates,
                 judgements: judgements.collect(),
                 snapshots: Snapshots::new(setup.kidnapped_at),
+                beliefs: Snapshots::new(setup.kidnapped_at),
                 lines: LineMoments::new(setup.start, setup.end),
                 map: None,
                 updates: self.events.len(),
@@ -236,18 +237,22 @@ impl Runner {
             estimates: Vec::new(),
             judgements: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),
+            beliefs: Snapshots::new(setup.kidnapped_at),
             lines: LineMoments::new(setup.start, setup.end),
             map: None,
             updates: 0,
             runtime: 0.0,
         };
         let mut runner = Runner { localizer, record };
-        runner.keep_cloud(setup.start);
+        runner.keep_belief(setup.start);
         Ok(runner)
     }
 
-    /// Keeps the method's particles for figures; this does not count as its time.
-    fn keep_cloud(&mut self, stamp: f64) {
+    /// Keeps the method's particles or grid for figures; this does not count as its time.
+    fn keep_belief(&mut self, stamp: f64) {
+        if let Some(belief) = self.localizer.place_belief() {
+            self.record.beliefs.offer(stamp, belief);
+        }
         if let Some(cloud) = self.localizer.cloud() {
             self.record.snapshots.offer(stamp, cloud);
         }
@@ -268,7 +273,7 @@ impl Runner {
         self.record.updates += 1;
         self.record.runtime += started.elapsed().as_secs_f64();
         if matches!(event.payload, Payload::Measurement(_)) {
-            self.keep_cloud(stamp);
+            self.keep_belief(stamp);
         }
         if let Some(update) = self.localizer.lines().filter(|_| is_scan(event)) {
             self.record.lines.offer(stamp, update);

@@ -48,20 +48,35 @@ impl Kernel {
     /// [`loc_core::Error::OutOfRange`] for numbers that are not finite or beyond 1e6, and for a
     /// negative `sigma`.
     pub fn new(shift: f64, sigma: f64) -> Result<Self> {
+        Kernel::check(shift, sigma)?;
+        Ok(Kernel::cut_off(shift, sigma, TAIL))
+    }
+
+    /// Whether a kernel can be had.
+    pub(super) fn check(shift: f64, sigma: f64) -> Result<()> {
         let small = |value: f64| value.abs() <= LARGEST;
         finite("shift [cells]", shift)?;
         in_range("shift [cells]", "at most 1e6", shift, small)?;
         non_negative("standard deviation of a motion [cells]", sigma)?;
         in_range("standard deviation of a motion [cells]", "at most 1e6", sigma, small)?;
-        let reach = 1.0 + TAIL * sigma;
+        Ok(())
+    }
+
+    /// The same for numbers that are known to be sound, with errors up to `tail` standard
+    /// deviations.
+    pub(super) fn cut_off(shift: f64, sigma: f64, tail: f64) -> Self {
+        let reach = 1.0 + tail * sigma;
         let (first, last) = ((shift - reach).floor() as isize, (shift + reach).ceil() as isize);
         let integral = second_integral(sigma);
+        let at = |k: isize| integral(k as f64 - shift);
+        let (mut before, mut here) = (at(first - 1), at(first));
         let share = |k: isize| {
-            let u = k as f64 - shift;
-            let share = integral(u + 1.0) - 2.0 * integral(u) + integral(u - 1.0);
+            let after = at(k + 1);
+            let share = after - 2.0 * here + before;
+            (before, here) = (here, after);
             if share > ROUNDING { share } else { 0.0 }
         };
-        Ok(Kernel::trimmed(first, (first..=last).map(share).collect()))
+        Kernel::trimmed(first, (first..=last).map(share).collect())
     }
 
     /// Leaves out zeros at both ends and scales the rest to the sum 1.

@@ -23,9 +23,11 @@
 //! ```
 
 mod discrete;
+mod grid;
 mod kernel;
 mod line;
 
 pub use discrete::DiscreteFilter;
+pub use grid::{FineSettings, GridLocalizer, GridReport, GridSettings, GridUpdate};
 pub use kernel::Kernel;
 pub use line::LineGrid;

@@ -5,6 +5,7 @@ use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
 use super::ekf_slam::EkfSlamMethod;
 use super::fastslam::FastSlamMethod;
+use super::histogram::Histogram;
 use super::kf_slam::KfSlamMethod;
 use super::landmark_mcl::SightMcl;
 use super::lateration::Lateration;
@@ -13,6 +14,7 @@ use super::mcl::ScanMcl;
 use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
+use loc_filters::histogram::GridSettings;
 use loc_filters::landmark::LandmarkSettings;
 use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
@@ -37,6 +39,8 @@ pub enum Method {
     LineEkf,
     /// Monte Carlo localization (M).
     Mcl,
+    /// Markov localization on a grid (K1).
+    Histogram,
     /// Linear Kalman SLAM of a robot that never turns (I1).
     KfSlam,
     /// The extended Kalman filter over robot and landmarks (I2 to I4).
@@ -59,6 +63,8 @@ pub struct MethodSettings {
     /// For the particle filter among landmarks; what it shares with the other methods among
     /// landmarks, it takes from there.
     pub landmark_mcl: LandmarkMclSettings,
+    /// For the grid over the poses in a map.
+    pub histogram: GridSettings,
     /// For lateration; what it shares with the other methods among landmarks, it takes from there.
     pub lateration: SlidingSettings,
     /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
@@ -156,12 +162,13 @@ impl MethodSettings {
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 9] = [
+    pub const ALL: [Method; 10] = [
         Method::DeadReckoning,
         Method::Lateration,
         Method::Kf,
         Method::Ekf,
         Method::LineEkf,
+        Method::Histogram,
         Method::Mcl,
         Method::KfSlam,
         Method::EkfSlam,
@@ -177,6 +184,7 @@ impl Method {
             Method::Ekf => "ekf",
             Method::LineEkf => "line-ekf",
             Method::Mcl => "mcl",
+            Method::Histogram => "histogram",
             Method::KfSlam => "kf-slam",
             Method::EkfSlam => "ekf-slam",
             Method::FastSlam => "fastslam",
@@ -185,7 +193,7 @@ impl Method {
 
     /// Whether it can find the robot without being told where it starts.
     pub fn can_search(self) -> bool {
-        matches!(self, Method::Lateration | Method::Mcl)
+        matches!(self, Method::Lateration | Method::Histogram | Method::Mcl)
     }
 
     /// Whether it draws random numbers, so that its seed matters.
@@ -217,6 +225,7 @@ impl Method {
             Method::Mcl if setup.has_laser || setup.landmarks.is_empty() => {
                 Box::new(ScanMcl::new(setup, settings)?)
             }
+            Method::Histogram => Box::new(Histogram::new(setup, settings)?),
             Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
             Method::KfSlam => Box::new(KfSlamMethod::new(setup, settings)?),
             Method::EkfSlam => Box::new(EkfSlamMethod::new(setup, settings)?),

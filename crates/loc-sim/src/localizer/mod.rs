@@ -9,12 +9,14 @@ mod ekf;
 mod ekf_slam;
 mod estimated_map;
 mod fastslam;
+mod histogram;
 mod kf_slam;
 mod landmark_mcl;
 mod lateration;
 mod line_ekf;
 mod mcl;
 mod method;
+mod place_belief;
 mod rail;
 pub(crate) mod smoothed;
 mod whitened;
@@ -22,6 +24,7 @@ mod whitened;
 pub use cloud::Cloud;
 pub use estimated_map::EstimatedMap;
 pub use method::{Method, MethodSettings, RailSettings};
+pub use place_belief::PlaceBelief;
 pub use whitened::Whitened;
 
 use crate::Result;
@@ -73,6 +76,12 @@ pub trait Localizer {
     /// The particles of a method that has any, for figures: thinned to at most
     /// [`Cloud::MOST`](cloud::Cloud::MOST).
     fn cloud(&self) -> Option<Cloud> {
+        None
+    }
+
+    /// The probabilities of all places after an update that has changed them, of a method that keeps
+    /// a grid of them, for figures.
+    fn place_belief(&self) -> Option<PlaceBelief> {
         None
     }
 

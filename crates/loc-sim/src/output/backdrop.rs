@@ -37,7 +37,7 @@ const WHITE: u8 = 255;
 const BLACK: u8 = 0;
 
 /// The box around the cells that are free or occupied.
-fn known(grid: &OccupancyGrid) -> Option<Bounds> {
+pub(super) fn known(grid: &OccupancyGrid) -> Option<Bounds> {
     let half = 0.5 * grid.resolution();
     let cells = grid.iter().filter(|(_, value)| Occupancy::of(*value) != Occupancy::Unknown);
     let centers = cells.map(|(cell, _)| grid.frame().center(cell));

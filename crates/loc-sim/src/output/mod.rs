@@ -16,6 +16,7 @@ mod illustration;
 pub mod mcap;
 pub mod perceptual;
 pub(crate) mod png;
+pub(crate) mod ramp;
 mod report;
 pub mod svg;
 mod table;

@@ -3,30 +3,17 @@
 use super::ProbabilityMap;
 use crate::output::figures::FigureFile;
 use crate::output::png;
-use crate::output::svg::{Backdrop, ColorBar, Frames, Role, Scene, Style};
+use crate::output::ramp;
+use crate::output::svg::{Backdrop, Frames, Role, Scene, Style};
 use loc_maps::grid::{Cell, Occupancy};
 use nalgebra::Point2;
 
-type Rgb = [u8; 3];
-
-/// From unlikely to likely: the map inferno (Smith and van der Walt 2015) upside down and without
-/// its black, which is kept for walls.
-const RAMP: [Rgb; 6] =
-    [[252, 252, 230], [249, 211, 110], [245, 139, 42], [207, 68, 70], [132, 32, 107], [58, 9, 99]];
-const WALL: Rgb = [40, 44, 50];
 /// Radius of the ring around the robot \[m\].
 const RING: f64 = 0.4;
-const UNKNOWN: Rgb = [205, 205, 205];
 
 /// Both images, with the scan as it was taken.
 pub(super) fn figure(map: &ProbabilityMap, title: &str, decades: f64) -> FigureFile {
-    let strip: Vec<Rgb> = (0..256).map(|k| ramp(f64::from(k) / 255.0)).collect();
-    let bar = ColorBar {
-        data_uri: png::rgb(&strip, 256),
-        low: -decades,
-        high: 0.0,
-        name: "log10 of the likelihood, relative to the highest".into(),
-    };
+    let bar = ramp::bar(-decades, 0.0, "log10 of the likelihood, relative to the highest");
     let frames = Frames::new(title)
         .subtitle(format!("one scan, {} beams; darker places are more likely", map.beams))
         .columns(2)
@@ -65,9 +52,9 @@ fn image(map: &ProbabilityMap, log_likelihoods: &[f64], decades: f64) -> Backdro
             let share = 1.0 - (value - highest) / lowest;
             let wall = touches_wall(map, Cell::new(column, row));
             pixels.push(match value.is_finite() {
-                _ if wall => WALL,
-                true => ramp(share),
-                false => UNKNOWN,
+                _ if wall => ramp::WALL,
+                true => ramp::color(share),
+                false => ramp::UNKNOWN,
             });
         }
     }
@@ -89,16 +76,5 @@ fn touches_wall(map: &ProbabilityMap, cell: Cell) -> bool {
         let (u, v) = (inside(k % samples), inside(k / samples));
         let place: Point2<f64> = map.frame.to_map(cell.column as f64 + u, cell.row as f64 + v);
         map.map.occupancy_at(&place) == Occupancy::Occupied
-    })
-}
-
-/// The colour at a share of the ramp.
-fn ramp(share: f64) -> Rgb {
-    let place = share.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
-    let index = (place as usize).min(RAMP.len() - 2);
-    let (from, to) = (RAMP[index], RAMP[index + 1]);
-    let rest = place - index as f64;
-    std::array::from_fn(|k| {
-        (f64::from(from[k]) + rest * (f64::from(to[k]) - f64::from(from[k]))).round() as u8
     })
 }

@@ -2,7 +2,7 @@
 //! recording may come without a truth; its estimates are those at its scans.
 
 use crate::event::Truth;
-use crate::localizer::{Estimate, EstimatedMap, Judgement, Method, MethodSettings};
+use crate::localizer::{Estimate, EstimatedMap, Judgement, Method, MethodSettings, PlaceBelief};
 use crate::metrics::pose_nees_with_freedom;
 use crate::source::Setup;
 use loc_core::{Pose2, Stamped};
@@ -50,6 +50,8 @@ pub struct MethodRecord {
     pub judgements: Vec<Stamped<Judgement>>,
     /// The particles of a method that has any, now and then.
     pub snapshots: Snapshots,
+    /// The probabilities of the places, of a method that keeps a grid of them, now and then.
+    pub beliefs: Snapshots<PlaceBelief>,
     /// The scans that moved the pose most, of a method that matches lines.
     pub lines: LineMoments,
     /// The map at the end, of a method that draws its own.

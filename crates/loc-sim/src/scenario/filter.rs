@@ -6,6 +6,7 @@ use crate::localizer::MethodSettings;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
 use loc_core::error::{non_negative, positive};
 use loc_core::motion::Integration;
+use loc_filters::histogram::GridSettings;
 use loc_filters::landmark::LandmarkSettings;
 use loc_filters::line_matching::LineMatchingSettings;
 use loc_pf::MclSettings;
@@ -29,6 +30,8 @@ pub struct FilterConfig {
     pub line_matching: Option<LineMatchingSettings>,
     /// Settings of the particle filter.
     pub mcl: MclSettings,
+    /// Settings of the grid over the poses in a map.
+    pub histogram: GridSettings,
     /// What the particle filter among landmarks is told beside.
     pub landmark_mcl: LandmarkMclConfig,
     /// What lateration is told beside.
@@ -50,11 +53,13 @@ impl FilterConfig {
     /// [`loc_core::Error::OutOfRange`], and what [`MclSettings::validate`] says.
     pub(super) fn methods(&self, landmark: LandmarkSettings) -> Result<MethodSettings> {
         self.mcl.validate()?;
+        self.histogram.validate()?;
         let line_matching = self.line_matching.unwrap_or_default();
         line_matching.check()?;
         Ok(MethodSettings {
             landmark: self.apply(landmark)?,
             mcl: self.mcl.clone(),
+            histogram: self.histogram,
             landmark_mcl: self.landmark_mcl.settings()?,
             lateration: self.lateration.settings()?,
             line_matching,

@@ -26,8 +26,12 @@ pub const LANDMARK_COURSE: &str = include_str!("../../recordings/landmark-course
 /// The settings that MRPT's demonstration of SLAM is replayed with, as TOML.
 pub const KF_SLAM_DEMO: &str = include_str!("../../recordings/kf-slam-demo.toml");
 
-/// The settings that Victoria Park is replayed with, as TOML.
+/// The settings that Victoria Park is replayed with, as TOML: trees with numbers.
 pub const VICTORIA_PARK: &str = include_str!("../../recordings/victoria-park.toml");
+
+/// The same for whatever looked like a trunk, without numbers.
+pub const VICTORIA_PARK_DETECTIONS: &str =
+    include_str!("../../recordings/victoria-park-detections.toml");
 
 /// What a replay knows about the robot beside its log.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]

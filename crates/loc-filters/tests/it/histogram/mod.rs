@@ -1,5 +1,8 @@
 //! Markov localization (F5, K1).
 
 mod discrete;
+mod grid;
+mod grid_input;
 mod kernel;
 mod line;
+mod robot;

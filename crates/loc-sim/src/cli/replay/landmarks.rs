@@ -22,9 +22,15 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
     refuse(&given, "one of landmarks")?;
     args.ros.refuse_unless(format)?;
     let changes = &args.output.changes;
+    let parse = |text| RecordingConfig::parse("settings for landmarks", text, changes);
     let config = match &args.config {
         Some(file) => RecordingConfig::read(file, changes)?,
-        None => RecordingConfig::parse("settings for landmarks", defaults(format), changes)?,
+        None => match parse(defaults(format))? {
+            config if format == Format::VictoriaPark && without_numbers(&config) => {
+                parse(recording::VICTORIA_PARK_DETECTIONS)?
+            }
+            config => config,
+        },
     };
     let mut settings = MethodSettings { seed: SEED, ..config.settings()? };
     let source = open(log, format, settings.slam.identities, config.start.sigmas()?)?;
@@ -34,6 +40,10 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
         settings,
         methods: vec![Method::DeadReckoning, Method::EkfSlam],
     })
+}
+
+fn without_numbers(config: &RecordingConfig) -> bool {
+    config.filter.slam.identities == Identities::Unknown
 }
 
 /// The settings that suit a format.

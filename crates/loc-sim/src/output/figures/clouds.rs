@@ -1,21 +1,15 @@
 //! Twelve moments of a particle filter (M3): the map, the cloud, and the robot in it.
 
 use super::FigureFile;
-use crate::event::Truth;
+use super::moments::{self, Look};
 use crate::localizer::Cloud;
 use crate::output::backdrop;
 use crate::output::svg::{Frames, Role, Scene, Style};
 use crate::record::{MethodRecord, Run};
 use loc_core::{Pose2, Stamped};
 
-/// How many moments are shown.
-const FRAMES: usize = 12;
 /// Length of a particle's pointer, as a share of the map's larger side.
 const POINTER: f64 = 0.018;
-/// Spreads and errors below this are all the same \[m\].
-const SMALL: f64 = 0.3;
-/// How much time counts beside spread and error, which count 1 each.
-const TIME: f64 = 0.5;
 
 /// The clouds of the last method that has any.
 pub(super) fn clouds(run: &Run) -> Option<FigureFile> {
@@ -29,7 +23,8 @@ pub(super) fn clouds(run: &Run) -> Option<FigureFile> {
         size = (image.max.0 - image.min.0).max(image.max.1 - image.min.1);
         frames = frames.backdrop(image);
     }
-    for index in choose(&moments) {
+    let looks: Vec<Look> = moments.iter().map(|moment| moment.look).collect();
+    for index in moments::choose(&looks) {
         let moment = &moments[index];
         frames = frames.frame(moment.caption(), moment.scene(Role::Method(k), POINTER * size));
     }
@@ -42,20 +37,16 @@ pub(super) fn clouds(run: &Run) -> Option<FigureFile> {
 
 /// A cloud with what is known about it.
 struct Moment<'a> {
-    stamp: f64,
     cloud: &'a Cloud,
     truth: Option<Pose2>,
     carried: bool,
-    /// Standard deviation of the position, over both axes \[m\].
-    spread: f64,
-    /// Distance of the mean from the true position \[m\].
-    error: f64,
+    look: Look,
 }
 
 impl<'a> Moment<'a> {
     fn of(run: &Run, snapshot: &'a Stamped<Cloud>) -> Self {
         let Stamped { stamp, value: cloud } = snapshot;
-        let truth = truth_at(&run.truth, *stamp).map(|truth| truth.value.pose);
+        let truth = moments::truth_at(run, *stamp);
         let total: f64 = cloud.particles.iter().map(|(_, weight)| weight).sum();
         let mean = |of: &dyn Fn(Pose2) -> f64| -> f64 {
             cloud.particles.iter().map(|(pose, weight)| weight * of(*pose)).sum::<f64>() / total
@@ -64,18 +55,16 @@ impl<'a> Moment<'a> {
         let squared = mean(&|pose| (pose.x - x).powi(2) + (pose.y - y).powi(2));
         let error = truth.map_or(0.0, |truth| f64::hypot(truth.x - x, truth.y - y));
         Moment {
-            stamp: stamp - run.setup.start,
             cloud,
             truth,
             carried: run.setup.kidnapped_at.is_some_and(|at| *stamp >= at),
-            spread: squared.sqrt(),
-            error,
+            look: Look { time: stamp - run.setup.start, spread: squared.sqrt(), error },
         }
     }
 
     fn caption(&self) -> String {
         let after = if self.carried { ", kidnapped" } else { "" };
-        format!("{:.1} s, ± {:.2} m{after}", self.stamp, self.spread)
+        format!("{:.1} s, ± {:.2} m{after}", self.look.time, self.look.spread)
     }
 
     fn scene(&self, role: Role, pointer: f64) -> Scene {
@@ -94,48 +83,6 @@ impl<'a> Moment<'a> {
             None => scene,
         }
     }
-
-    /// How different this moment looks from another one: in time, spread and error.
-    fn difference(&self, other: &Moment) -> [f64; 3] {
-        let ratio = |a: f64, b: f64| ((a + SMALL) / (b + SMALL)).ln().abs();
-        [
-            (self.stamp - other.stamp).abs(),
-            ratio(self.spread, other.spread),
-            ratio(self.error, other.error),
-        ]
-    }
-}
-
-/// The moments to show: the first, the last, and between them those that are equally different
-/// from one to the next, so that most frames show what changes most.
-fn choose(moments: &[Moment]) -> Vec<usize> {
-    if moments.len() <= FRAMES {
-        return (0..moments.len()).collect();
-    }
-    let steps: Vec<[f64; 3]> =
-        moments.windows(2).map(|pair| pair[1].difference(&pair[0])).collect();
-    let total = |k: usize| steps.iter().map(|step| step[k]).sum::<f64>().max(1e-9);
-    let totals = [total(0), total(1), total(2)];
-    let mut passed = vec![0.0];
-    for step in &steps {
-        let weighted = (0..3).map(|k| [TIME, 1.0, 1.0][k] * step[k] / totals[k]);
-        passed.push(passed[passed.len() - 1] + weighted.sum::<f64>());
-    }
-    let all = passed[passed.len() - 1];
-    let mut chosen: Vec<usize> = Vec::with_capacity(FRAMES);
-    for frame in 0..FRAMES {
-        let wanted = all * frame as f64 / (FRAMES - 1) as f64;
-        let at = passed.partition_point(|share| *share < wanted - 1e-9);
-        // Each frame another moment, and enough of them left for the others.
-        let least = chosen.last().map_or(0, |last| last + 1);
-        chosen.push(at.clamp(least, moments.len() - FRAMES + frame));
-    }
-    chosen
-}
-
-fn truth_at(truth: &[Stamped<Truth>], stamp: f64) -> Option<&Stamped<Truth>> {
-    let next = truth.partition_point(|truth| truth.stamp < stamp - 1e-6);
-    truth.get(next).or(truth.last())
 }
 
 /// The larger side of the box around all particles \[m\].

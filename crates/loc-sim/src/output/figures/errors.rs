@@ -5,11 +5,12 @@ use crate::output::svg::{Chart, Figure, Role};
 use crate::record::{MethodRecord, Run};
 use loc_core::{angle, stats};
 
-/// Position error, heading error and NEES of every method; of particles also their spread.
+/// Position error, heading error and NEES of every method; of particles and grids also the spread.
 pub(super) fn errors(run: &Run) -> FigureFile {
-    let particles = run.methods.iter().any(|record| !record.snapshots.is_empty());
+    let searches = |r: &MethodRecord| !r.snapshots.is_empty() || !r.beliefs.is_empty();
+    let searching = run.methods.iter().any(searches);
     // A method that searches is first lost by many metres, then right by centimetres.
-    let chart = |name: &str| if particles { Chart::new(name).log_y() } else { Chart::new(name) };
+    let chart = |name: &str| if searching { Chart::new(name).log_y() } else { Chart::new(name) };
     let mut position = chart("position error [m]");
     let mut heading = chart("heading error [deg]");
     let mut spread = chart("spread of the position, 1 sigma [m]");
@@ -26,7 +27,7 @@ pub(super) fn errors(run: &Run) -> FigureFile {
         let turn = |i: usize| {
             let turn = angle::difference(estimate(i).pose.theta, truth(i).theta).to_degrees();
             // A logarithm needs a size, and something to show of 0.
-            Some(if particles { turn.abs().max(0.01) } else { turn })
+            Some(if searching { turn.abs().max(0.01) } else { turn })
         };
         heading = heading.line(role, name, over_time(&turn));
         let sigma =
@@ -36,7 +37,7 @@ pub(super) fn errors(run: &Run) -> FigureFile {
             |i: usize| Some(run.nees(&estimate(i), truth(i))?.1).filter(|nees| *nees > 1e-6);
         nees = nees.line(role, name, over_time(&squared));
     }
-    if !particles {
+    if !searching {
         heading = heading.reference(0.0, "");
     }
     if let Ok(limit) = stats::chi_square_quantile(if run.truth_has_heading { 3 } else { 2 }, 0.95) {
@@ -47,7 +48,7 @@ pub(super) fn errors(run: &Run) -> FigureFile {
     if run.truth_has_heading {
         figure = figure.panel(heading);
     }
-    if particles {
+    if searching {
         figure = figure.panel(spread);
     }
     FigureFile {

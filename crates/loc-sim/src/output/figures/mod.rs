@@ -2,8 +2,10 @@
 
 mod clouds;
 mod errors;
+mod histogram;
 mod lines;
 mod map;
+mod moments;
 mod rail;
 mod resampling;
 
@@ -22,7 +24,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 15] = [
+pub const NAMES: [&str; 16] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -38,6 +40,7 @@ pub const NAMES: [&str; 15] = [
     "mailbox.svg",
     "beliefs.svg",
     "lines.svg",
+    "histogram.svg",
 ];
 
 /// The figures that suit a run.
@@ -49,6 +52,7 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     figures.extend(lines::lines(run));
     figures.extend(clouds::clouds(run));
     figures.extend(resampling::resampling(run));
+    figures.extend(histogram::histogram(run));
     if run.truth.is_empty() {
         return figures;
     }

@@ -86,7 +86,7 @@ pub(crate) fn corrected() -> String {
 }
 
 /// The same without any: the laser's pose is the odometry's.
-fn uncorrected() -> String {
+pub(crate) fn uncorrected() -> String {
     let odometry = odometry(&drive());
     carmen(|k, _| odometry[k])
 }
