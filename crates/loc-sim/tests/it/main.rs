@@ -36,6 +36,7 @@ mod ros;
 mod scenarios;
 mod sense;
 mod slam;
+mod slam_recordings;
 mod smoothing;
 mod study;
 mod switches;

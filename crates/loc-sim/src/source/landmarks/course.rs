@@ -6,7 +6,7 @@
 //! `id x y` for each landmark. The robot starts at the origin. Neither times nor true poses were
 //! recorded: a step is taken for a second.
 
-use super::super::ranging::columns::{distance, not_empty, whole};
+use super::super::ranging::columns::{not_empty, whole};
 use super::{LandmarkRecording, Parts, folder_name, odometry, sightings};
 use crate::Result;
 use loc_core::Pose2;
@@ -35,7 +35,7 @@ impl LandmarkRecording {
         let columns = ["kind", "rot1 or id", "trans or range", "rot2 or bearing"];
         let table = Table::read(&file, &columns)?;
         let (mut pose, mut step, mut seen) = (Pose2::IDENTITY, 0_u32, Vec::new());
-        let mut events = vec![odometry(0.0, pose)];
+        let (mut events, mut below_zero) = (vec![odometry(0.0, pose)], 0);
         for row in table.rows() {
             let row = row?;
             match row.text("kind")? {
@@ -48,9 +48,10 @@ impl LandmarkRecording {
                     events.push(odometry(f64::from(step), pose));
                 }
                 "SENSOR" => {
-                    let range = distance(&row, "trans or range")?;
+                    let range = row.number("trans or range")?;
+                    below_zero += usize::from(range < 0.0);
                     let bearing = row.number("rot2 or bearing")?;
-                    let sight = Sight::RangeBearing { range, bearing };
+                    let sight = Sight::RangeBearing { range: range.max(0.0), bearing };
                     seen.push(Sighting { landmark: whole(&row, "rot1 or id")?, sight });
                 }
                 other => return Err(row.error("kind", "ODOMETRY or SENSOR", other).into()),
@@ -60,6 +61,10 @@ impl LandmarkRecording {
         if !seen.is_empty() {
             events.push(sightings(f64::from(step), seen));
         }
+        let mut notes = vec!["no times were recorded: a step is taken for a second".to_owned()];
+        if below_zero > 0 {
+            notes.push(format!("{below_zero} distances that noise has made negative taken for 0"));
+        }
         let parts = Parts {
             name: folder_name(folder),
             landmarks: read_world(&folder.join("world.dat"))?,
@@ -67,7 +72,7 @@ impl LandmarkRecording {
             start: Pose2::IDENTITY,
             mounting: Pose2::IDENTITY,
             truth_has_heading: true,
-            notes: vec!["no times were recorded: a step is taken for a second".into()],
+            notes,
         };
         LandmarkRecording::new(folder, parts, sigmas)
     }
