@@ -75,23 +75,7 @@ impl EkfSlam {
         for k in new {
             outcomes[first + k] = self.welcome(&group[k])?;
         }
-        self.remove_false()?;
-        self.replace(group, &mut outcomes[first..])
-    }
-
-    /// Where a sighting has taken the last that spoke for its landmark, its own word is the newest
-    /// on where that is.
-    fn replace(&mut self, group: &[Sighting], outcomes: &mut [SlamOutcome]) -> Result<()> {
-        for (sighting, outcome) in group.iter().zip(outcomes) {
-            if outcome.accepted() || self.numbers.contains_key(&sighting.landmark) {
-                continue;
-            }
-            let again = self.welcome(sighting)?;
-            if again.accepted() {
-                *outcome = again;
-            }
-        }
-        Ok(())
+        self.remove_false()
     }
 
     /// A sighting of a number that the state did not have when its group began.
