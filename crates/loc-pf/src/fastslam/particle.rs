@@ -182,7 +182,7 @@ impl Particle {
             mark.correct(&look, &covariance);
             mark.praise(knowledge.moment, &knowledge.settings.map);
         } else {
-            mark.blame(1.0);
+            mark.blame(knowledge.settings.map.contradiction_cost);
             if mark.is_false() {
                 self.map.remove(slot);
             }

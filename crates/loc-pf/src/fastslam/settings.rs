@@ -102,6 +102,7 @@ impl FastSlamSettings {
         in_range("most score of a landmark", expected, map.most_score, allowed)?;
         positive("score that confirms a landmark", map.confirm_score)?;
         non_negative("cost of not seeing a landmark", map.miss_cost)?;
+        non_negative("cost of contradicting a landmark", map.contradiction_cost)?;
         for (what, share) in [("new_share", self.new_share), ("miss_share", self.miss_share)] {
             loc_core::error::probability(what, positive(what, share)?)?;
         }
