@@ -2,11 +2,11 @@
 
 use loc_filters::slam::Identities;
 use loc_sim::localizer::{Method, MethodSettings};
-use loc_sim::metrics::{Alignment, LandmarkErrors, MethodSummary, Summary};
+use loc_sim::metrics::{Alignment, LandmarkErrors, MethodSummary, Summary, landmark_errors};
 use loc_sim::runner;
 use loc_sim::scenario::{RecordingConfig, recording};
 use loc_sim::source::landmarks::Trees;
-use loc_sim::source::{LandmarkRecording, Source};
+use loc_sim::source::{Calibrated, LandmarkRecording, Mrclam, Source};
 use std::path::{Path, PathBuf};
 
 fn settings(text: &str, changes: &[&str]) -> MethodSettings {
@@ -78,6 +78,23 @@ fn victoria_park_without_numbers_does_not_diverge() {
     let source = LandmarkRecording::victoria_park(folder, Trees::Detected, [0.0; 3]).unwrap();
     let errors = figures(source, settings, Method::EkfSlam).errors.unwrap();
     assert!(errors.ate_median_m <= 5.0 && errors.final_error_m < 15.0, "{errors:?}");
+}
+
+/// The five robots of MRCLAM draw the map of the barcodes, each as if alone.
+#[test]
+fn mrclam_is_mapped_by_every_robot() {
+    let Some(folder) = folder("mrclam/MRCLAM_Dataset6") else { return };
+    let config = RecordingConfig::parse("mrclam", recording::MRCLAM, &[]).unwrap();
+    let calibration = (config.odometry_calibration(), config.camera_calibration());
+    for robot in 1..=5 {
+        let source = Mrclam::open(&folder, robot).unwrap();
+        let mut source = Calibrated::new(source, calibration.0, calibration.1).unwrap();
+        let settings = config.settings().unwrap();
+        let run = runner::run(&mut source, &[Method::EkfSlam], &settings, &mut |_| {}).unwrap();
+        let map = landmark_errors(&run, &run.methods[0]).unwrap().unwrap();
+        assert_eq!((map.found, map.extra), (Some(15), Some(0)), "robot {robot}");
+        assert!(map.rmse_m.unwrap() <= 0.15, "robot {robot}: {map:?}");
+    }
 }
 
 fn write(folder: &Path, name: &str, text: &str) {
