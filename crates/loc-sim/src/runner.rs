@@ -149,6 +149,7 @@ pub fn run_watched(
         truth,
         truth_has_heading: source.truth_has_heading(),
         methods,
+        sensor_truth: source.sensor_truth(),
         notes,
         film: None,
     })
@@ -210,6 +211,7 @@ impl Tape {
                 smoothed: true,
                 estimates,
                 judgements: judgements.collect(),
+                sensor_errors: Vec::new(),
                 snapshots: Snapshots::new(setup.kidnapped_at),
                 beliefs: Snapshots::new(setup.kidnapped_at),
                 lines: LineMoments::new(setup.start, setup.end),
@@ -236,6 +238,7 @@ impl Runner {
             smoothed: false,
             estimates: Vec::new(),
             judgements: Vec::new(),
+            sensor_errors: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),
             beliefs: Snapshots::new(setup.kidnapped_at),
             lines: LineMoments::new(setup.start, setup.end),
@@ -289,6 +292,12 @@ impl Runner {
         let started = Instant::now();
         self.record.estimates.push(self.localizer.estimate(stamp)?);
         self.record.runtime += started.elapsed().as_secs_f64();
+        let errors = self.localizer.sensor_errors(stamp)?;
+        // A sensor may be heard for the first time at any moment; methods without errors keep none.
+        if !errors.is_empty() {
+            self.record.sensor_errors.resize(self.record.estimates.len() - 1, Vec::new());
+            self.record.sensor_errors.push(errors);
+        }
         Ok(())
     }
 }

@@ -9,6 +9,7 @@ mod ekf;
 mod ekf_slam;
 mod estimated_map;
 mod fastslam;
+mod fusion;
 mod histogram;
 mod kf_slam;
 mod landmark_mcl;
@@ -18,6 +19,7 @@ mod mcl;
 mod method;
 mod place_belief;
 mod rail;
+mod sensor_error;
 pub(crate) mod smoothed;
 mod whitened;
 
@@ -25,6 +27,7 @@ pub use cloud::Cloud;
 pub use estimated_map::EstimatedMap;
 pub use method::{Method, MethodSettings, RailSettings};
 pub use place_belief::PlaceBelief;
+pub use sensor_error::SensorError;
 pub use whitened::Whitened;
 
 use crate::Result;
@@ -71,6 +74,15 @@ pub trait Localizer {
     /// What the filter refuses.
     fn map(&self) -> Result<Option<EstimatedMap>> {
         Ok(None)
+    }
+
+    /// What a method that calibrates its sensors on the way believes about their errors at a time
+    /// \[s\] not before the last input; nothing for any other.
+    ///
+    /// # Errors
+    /// What the filter refuses.
+    fn sensor_errors(&self, _stamp: f64) -> Result<Vec<SensorError>> {
+        Ok(Vec::new())
     }
 
     /// The particles of a method that has any, for figures: thinned to at most
