@@ -245,7 +245,7 @@ impl Method {
             Method::DeadReckoning => ("none", "none"),
             Method::Kf => ("position", "none"),
             Method::Lateration => ("ranges", "landmarks"),
-            Method::Fusion => ("several", "landmarks"),
+            Method::Fusion => ("camera", "landmarks"),
             Method::Histogram => ("laser", "grid"),
             Method::Mcl if lasers => ("laser", "grid"),
             Method::Ekf | Method::Mcl => ("camera", "landmarks"),

@@ -1,6 +1,6 @@
 //! The lectures' table of methods, with measured figures.
 
-use super::table::heading;
+use super::table::{heading, nees};
 use crate::metrics::{MethodSummary, Summary};
 use crate::record::{MethodRecord, Run};
 
@@ -30,7 +30,7 @@ fn row(run: &Run, record: &MethodRecord, name: &str, figures: &MethodSummary) ->
         value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
     };
     let found = if record.global && found.is_none() { "never".into() } else { number(found, 1) };
-    let (error, nees) = (number(error, 3), number(figures.nees_mean, 2));
+    let (error, nees) = (number(error, 3), nees(figures));
     let sensor = needs.sensors;
     format!("{name:<19}{start:<8}{found:>9}{error:>9}{nees:>7}  {sensor:<8}{}", needs.map)
 }

@@ -40,14 +40,19 @@ pub(super) fn cells(method: &MethodSummary) -> [String; COLUMNS.len()] {
         cell(3, |errors| Some(errors.ate_max_m)),
         cell(3, |errors| Some(errors.final_error_m)),
         cell(2, |errors| errors.heading_rmse_deg),
-        method.nees_mean.map_or("-".into(), |nees| match nees {
-            // A covariance far too small; its digits would push the columns apart.
-            1e4.. => format!("{nees:.0e}"),
-            _ => format!("{nees:.2}"),
-        }),
+        nees(method),
         method.measurements_used.to_string(),
         method.measurements_rejected.to_string(),
     ]
+}
+
+/// The mean NEES.
+pub(super) fn nees(method: &MethodSummary) -> String {
+    method.nees_mean.map_or("-".into(), |nees| match nees {
+        // A covariance far too small; its digits would push the columns apart.
+        1e4.. => format!("{nees:.0e}"),
+        _ => format!("{nees:.2}"),
+    })
 }
 
 /// The map that a method has drawn.
