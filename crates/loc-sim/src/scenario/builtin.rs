@@ -6,7 +6,7 @@ use crate::{Error, Result};
 pub const DEFAULT: &str = "overview";
 
 /// Name and TOML text of every built-in scenario, in the order in which they are listed.
-pub const ALL: [(&str, &str); 39] = [
+pub const ALL: [(&str, &str); 40] = [
     ("overview", include_str!("../../scenarios/overview.toml")),
     ("kurt2-example", include_str!("../../scenarios/kurt2-example.toml")),
     ("circle-drive", include_str!("../../scenarios/circle-drive.toml")),
@@ -19,6 +19,7 @@ pub const ALL: [(&str, &str); 39] = [
     ("landmark-drive", include_str!("../../scenarios/landmark-drive.toml")),
     ("aibo-soccer", include_str!("../../scenarios/aibo-soccer.toml")),
     ("line-matching", include_str!("../../scenarios/line-matching.toml")),
+    ("sensor-fusion", include_str!("../../scenarios/sensor-fusion.toml")),
     ("mailbox", include_str!("../../scenarios/mailbox.toml")),
     ("door-corridor", include_str!("../../scenarios/door-corridor.toml")),
     ("mcl-1d", include_str!("../../scenarios/mcl-1d.toml")),

@@ -2,6 +2,7 @@
 
 mod clouds;
 mod errors;
+mod fusion;
 mod histogram;
 mod lines;
 mod map;
@@ -24,7 +25,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 16] = [
+pub const NAMES: [&str; 18] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -40,6 +41,8 @@ pub const NAMES: [&str; 16] = [
     "mailbox.svg",
     "beliefs.svg",
     "lines.svg",
+    "fusion.svg",
+    "biases.svg",
     "histogram.svg",
 ];
 
@@ -52,6 +55,7 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     figures.extend(lines::lines(run));
     figures.extend(clouds::clouds(run));
     figures.extend(resampling::resampling(run));
+    figures.extend(fusion::fusion(run));
     figures.extend(histogram::histogram(run));
     if run.truth.is_empty() {
         return figures;
