@@ -19,11 +19,11 @@ pub trait Watcher {
     /// The share of the run that is done, in \[0, 1\], after every estimate.
     fn progress(&mut self, share: f64);
 
-    /// What is known before the first event, and the methods that are to run.
+    /// What is known before the first event, and the names of the methods that are to run.
     ///
     /// # Errors
     /// Whatever ends the run.
-    fn started(&mut self, _setup: &Setup, _methods: &[Method]) -> Result<()> {
+    fn started(&mut self, _setup: &Setup, _methods: &[String]) -> Result<()> {
         Ok(())
     }
 
@@ -52,7 +52,7 @@ impl<A: Watcher, B: Watcher> Watcher for Both<'_, A, B> {
         self.0.progress(share);
     }
 
-    fn started(&mut self, setup: &Setup, methods: &[Method]) -> Result<()> {
+    fn started(&mut self, setup: &Setup, methods: &[String]) -> Result<()> {
         self.0.started(setup, methods)?;
         self.1.as_mut().map_or(Ok(()), |second| second.started(setup, methods))
     }
@@ -93,7 +93,8 @@ pub fn run(
 
 /// Runs methods over a source to its end, with somebody looking on.
 ///
-/// Estimates are asked for at every true pose or, from a source without any, after every scan.
+/// Estimates are asked for at every true pose or, from a source without any, after every scan, and
+/// without a laser after every measurement.
 ///
 /// # Errors
 /// What the source or a method reports; [`Error::NoTruth`] where true poses were promised and
@@ -106,12 +107,15 @@ pub fn run_watched(
 ) -> Result<Run> {
     let setup = source.setup().clone();
     let mut tape = Tape::of(methods, settings);
-    let mut runners = Vec::with_capacity(methods.len());
-    for &method in methods {
-        runners.push(Runner::new(method, &setup, settings)?);
-    }
-    watcher.started(&setup, methods)?;
-    let samples_at = if source.has_truth() { is_truth } else { is_scan };
+    let mut runners = start(methods, &setup, settings)?;
+    let names: Vec<String> =
+        runners.iter().map(|runner| runner.record.name().into_owned()).collect();
+    watcher.started(&setup, &names)?;
+    let samples_at = match source.has_truth() {
+        true => is_truth,
+        false if setup.has_laser => is_scan,
+        false => is_measurement,
+    };
     let (mut stamps, mut truth): (Vec<f64>, Vec<Stamped<Truth>>) = Default::default();
     while let Some(event) = source.next_event()? {
         watcher.event(&event)?;
@@ -150,12 +154,31 @@ pub fn run_watched(
     })
 }
 
+/// The methods, and after them those that start a second time without a pose.
+fn start(methods: &[Method], setup: &Setup, settings: &MethodSettings) -> Result<Vec<Runner>> {
+    let mut runners = Vec::with_capacity(methods.len());
+    for &method in methods {
+        runners.push(Runner::new(method, setup, settings, false)?);
+    }
+    if settings.also_global && !settings.global {
+        let untold = MethodSettings { global: true, ..settings.clone() };
+        for &method in methods.iter().filter(|method| method.can_search()) {
+            runners.push(Runner::new(method, setup, &untold, true)?);
+        }
+    }
+    Ok(runners)
+}
+
 fn is_truth(event: &Event) -> bool {
     matches!(event.payload, Payload::Truth(_))
 }
 
 fn is_scan(event: &Event) -> bool {
     matches!(event.payload, Payload::Measurement(Measurement::Scan { .. }))
+}
+
+fn is_measurement(event: &Event) -> bool {
+    matches!(event.payload, Payload::Measurement(_))
 }
 
 /// The events that are kept for smoothing, where that is wanted.
@@ -199,6 +222,7 @@ impl Tape {
             });
             all.push(MethodRecord {
                 method,
+                global: false,
                 smoothed: true,
                 estimates,
                 judgements: judgements.collect(),
@@ -222,10 +246,11 @@ struct Runner {
 }
 
 impl Runner {
-    fn new(method: Method, setup: &Setup, settings: &MethodSettings) -> Result<Self> {
+    fn new(method: Method, setup: &Setup, settings: &MethodSettings, global: bool) -> Result<Self> {
         let localizer = method.start(setup, settings)?;
         let record = MethodRecord {
             method,
+            global,
             smoothed: false,
             estimates: Vec::new(),
             judgements: Vec::new(),

@@ -11,6 +11,7 @@ mod bad_input;
 mod beam;
 mod clusters;
 mod endurance;
+mod fastslam;
 mod global;
 mod global_input;
 mod global_intel;

@@ -49,7 +49,9 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     };
     if let Some(threads) = global.threads {
         let filter = scenario.filter.get_or_insert_default();
-        (filter.mcl.threads, filter.landmark_mcl.threads) = (threads, Some(threads));
+        filter.mcl.threads = threads;
+        filter.landmark_mcl.threads = Some(threads);
+        filter.fastslam.threads = Some(threads);
     }
     let seed = args.seed.unwrap_or(scenario.seed);
     if let Some(illustration) = scenario.illustrate(seed)? {
@@ -76,6 +78,7 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
         name: &scenario.name,
         title: &scenario.title,
         seed: Some(seed),
+        compare: scenario.compare,
         also_in_frame: scenario.also_in_frame.as_deref(),
     };
     show(&finished, &args.output, global)

@@ -4,6 +4,7 @@ use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
 use super::ekf_slam::EkfSlamMethod;
+use super::fastslam::FastSlamMethod;
 use super::fusion::Fusion;
 use super::histogram::Histogram;
 use super::kf_slam::KfSlamMethod;
@@ -21,7 +22,7 @@ use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
 use loc_filters::slam::SlamSettings;
 use loc_pf::sensor::landmark::SightModel;
-use loc_pf::{LandmarkMclSettings, MclSettings};
+use loc_pf::{FastSlamSettings, LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
 
 /// A method that a run can use.
@@ -48,6 +49,17 @@ pub enum Method {
     KfSlam,
     /// The extended Kalman filter over robot and landmarks (I2 to I4).
     EkfSlam,
+    /// Particles that each draw a map of their own: FastSLAM 2.0 (I2 to I4).
+    FastSlam,
+}
+
+/// What a method needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Needs {
+    /// The sensor beside the odometry.
+    pub sensors: &'static str,
+    /// The kind of map.
+    pub map: &'static str,
 }
 
 /// What the methods are told about the robot and its sensors.
@@ -72,8 +84,12 @@ pub struct MethodSettings {
     pub fusion: FusionSettings,
     /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
     pub slam: SlamSettings,
+    /// For `fastslam`; what it shares with `ekf-slam`, it takes from there.
+    pub fastslam: FastSlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
+    /// Whether those methods run a second time without being told, beside their run from the start.
+    pub also_global: bool,
     /// Whether the estimates of Kalman filters are smoothed after the run, beside those that they
     /// had during it.
     pub smooth: bool,
@@ -158,11 +174,35 @@ impl MethodSettings {
             ..self.slam
         }
     }
+
+    /// Settings of `fastslam`, with what all methods among landmarks are told.
+    pub fn fastslam(&self) -> FastSlamSettings {
+        let SlamSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            identities,
+            map,
+            ..
+        } = self.slam();
+        FastSlamSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            identities,
+            map,
+            ..self.fastslam
+        }
+    }
 }
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 10] = [
+    pub const ALL: [Method; 11] = [
         Method::DeadReckoning,
         Method::Lateration,
         Method::Kf,
@@ -173,6 +213,7 @@ impl Method {
         Method::Mcl,
         Method::KfSlam,
         Method::EkfSlam,
+        Method::FastSlam,
     ];
 
     /// The name, as the command line has it.
@@ -188,6 +229,7 @@ impl Method {
             Method::Histogram => "histogram",
             Method::KfSlam => "kf-slam",
             Method::EkfSlam => "ekf-slam",
+            Method::FastSlam => "fastslam",
         }
     }
 
@@ -196,9 +238,26 @@ impl Method {
         matches!(self, Method::Lateration | Method::Histogram | Method::Mcl)
     }
 
+    /// What it measures with, beside odometry, on a source; and the map that it needs.
+    pub fn needs(self, setup: &Setup) -> Needs {
+        let lasers = setup.has_laser || setup.landmarks.is_empty();
+        let (sensors, map) = match self {
+            Method::DeadReckoning => ("none", "none"),
+            Method::Kf => ("position", "none"),
+            Method::Lateration => ("ranges", "landmarks"),
+            Method::Fusion => ("several", "landmarks"),
+            Method::Histogram => ("laser", "grid"),
+            Method::Mcl if lasers => ("laser", "grid"),
+            Method::Ekf | Method::Mcl => ("camera", "landmarks"),
+            Method::LineEkf => ("laser", "lines"),
+            Method::KfSlam | Method::EkfSlam | Method::FastSlam => ("camera", "draws its own"),
+        };
+        Needs { sensors, map }
+    }
+
     /// Whether it draws random numbers, so that its seed matters.
     pub fn draws(self) -> bool {
-        self == Method::Mcl
+        matches!(self, Method::Mcl | Method::FastSlam)
     }
 
     /// Whether its estimates can be smoothed after the run.
@@ -230,6 +289,7 @@ impl Method {
             Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
             Method::KfSlam => Box::new(KfSlamMethod::new(setup, settings)?),
             Method::EkfSlam => Box::new(EkfSlamMethod::new(setup, settings)?),
+            Method::FastSlam => Box::new(FastSlamMethod::new(setup, settings)?),
         })
     }
 }
