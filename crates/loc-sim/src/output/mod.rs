@@ -10,6 +10,7 @@
 //! ```
 
 mod backdrop;
+pub(crate) mod canvas;
 pub mod figures;
 mod folder;
 mod illustration;

@@ -24,7 +24,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 16] = [
+pub const NAMES: [&str; 18] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -41,6 +41,8 @@ pub const NAMES: [&str; 16] = [
     "beliefs.svg",
     "lines.svg",
     "histogram.svg",
+    "topological.svg",
+    "places.svg",
 ];
 
 /// The figures that suit a run.
