@@ -3,7 +3,8 @@
 //! Cameras need time to compute; their measurements arrive after odometry that is younger. A
 //! [`DelayedFilter`] remembers the inputs of the last seconds with the state before each, so that
 //! a late input is applied where it belongs. The result is the same, to the bit, as if everything
-//! had come in order of its stamps; inputs of one stamp keep the order in which they came.
+//! had come in order of its stamps; inputs of one stamp keep the order in which they came, unless
+//! the filter ranks them.
 //!
 //! ```
 //! use loc_filters::delayed::{DelayedFilter, Step};
@@ -43,6 +44,11 @@ pub trait Step: Clone {
     /// # Errors
     /// As the filter says; it must then be as it was before.
     fn step(&mut self, stamp: f64, input: &Self::Input) -> Result<Self::Report>;
+    /// The place of an input among others of the same stamp, the lowest first. Inputs of one rank
+    /// keep the order in which they came.
+    fn rank(_input: &Self::Input) -> u64 {
+        0
+    }
 }
 
 /// A filter with a memory of the recent past.
@@ -90,7 +96,11 @@ impl<F: Step> DelayedFilter<F> {
     /// not finite, and what the filter itself refuses; the filter is then as it was before.
     pub fn input(&mut self, what: &'static str, stamp: f64, input: F::Input) -> Result<F::Report> {
         loc_core::error::finite("stamp [s]", stamp)?;
-        let place = self.past.partition_point(|moment| moment.stamp <= stamp);
+        let rank = F::rank(&input);
+        let before = |moment: &Moment<F>| {
+            moment.stamp < stamp || (moment.stamp <= stamp && F::rank(&moment.input) <= rank)
+        };
+        let place = self.past.partition_point(before);
         let Some(newest) = self.past.back().map(|moment| moment.stamp) else {
             return self.append(stamp, input);
         };

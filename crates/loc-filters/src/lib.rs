@@ -4,6 +4,7 @@ pub mod association;
 pub mod delayed;
 mod error;
 pub mod extended;
+pub mod fusion;
 pub mod histogram;
 pub mod innovation;
 pub mod kalman;

@@ -4,7 +4,9 @@
 //! measurements with the time they belong to, in the order in which they became known, with the
 //! truth among them where it is known.
 
-use loc_core::{Pose2, Twist2};
+use loc_core::{Gaussian, Pose2, Twist2};
+use loc_sensors::compass::CompassReading;
+use loc_sensors::imu::ImuReading;
 use loc_sensors::landmark_camera::Sighting;
 use loc_sensors::laser::LaserScan;
 use std::sync::Arc;
@@ -57,6 +59,12 @@ pub enum Measurement {
         /// Where the laser sits on the robot (`base_from_laser`).
         mounting: Pose2,
     },
+    /// Accelerations and turn rates of an inertial unit in the middle of the robot.
+    Inertial(ImuReading),
+    /// The heading of a compass.
+    Compass(CompassReading),
+    /// The place of a satellite receiver's antenna in the map, with the covariance that it claims.
+    Position(Gaussian<2>),
     /// Position along the rail \[m\], from the sensor with this index.
     RailPosition {
         /// Index of the sensor, counted from 0.

@@ -144,6 +144,7 @@ pub fn run_watched(
         truth,
         truth_has_heading: source.truth_has_heading(),
         methods,
+        sensor_truth: source.sensor_truth(),
         notes,
         film: None,
     })
@@ -201,6 +202,7 @@ impl Tape {
                 smoothed: true,
                 estimates,
                 judgements: judgements.collect(),
+                sensor_errors: Vec::new(),
                 snapshots: Snapshots::new(setup.kidnapped_at),
                 beliefs: Snapshots::new(setup.kidnapped_at),
                 lines: LineMoments::new(setup.start, setup.end),
@@ -227,6 +229,7 @@ impl Runner {
             smoothed: false,
             estimates: Vec::new(),
             judgements: Vec::new(),
+            sensor_errors: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),
             beliefs: Snapshots::new(setup.kidnapped_at),
             lines: LineMoments::new(setup.start, setup.end),
@@ -280,6 +283,12 @@ impl Runner {
         let started = Instant::now();
         self.record.estimates.push(self.localizer.estimate(stamp)?);
         self.record.runtime += started.elapsed().as_secs_f64();
+        let errors = self.localizer.sensor_errors(stamp)?;
+        // A sensor may be heard for the first time at any moment; methods without errors keep none.
+        if !errors.is_empty() {
+            self.record.sensor_errors.resize(self.record.estimates.len() - 1, Vec::new());
+            self.record.sensor_errors.push(errors);
+        }
         Ok(())
     }
 }

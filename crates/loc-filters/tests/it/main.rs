@@ -4,6 +4,7 @@
 mod association;
 mod delayed;
 mod extended;
+mod fusion;
 mod histogram;
 mod innovation;
 mod kalman;

@@ -63,6 +63,12 @@ impl Gnss {
         Ok(self)
     }
 
+    /// The true drift of the last fix, east, north and up \[m\]; `None` before the first one.
+    pub fn drift(&self) -> Option<Vector3<f64>> {
+        let scale = Vector3::new(1.0, 1.0, self.noise.vertical_factor);
+        self.drift.map(|drift| drift.component_mul(&scale))
+    }
+
     /// The fix of a robot at `pose`, `dt` \[s\] after the last call; `None` during an outage.
     ///
     /// The claimed covariance is that of the whole error, drift included. Draws the same number of

@@ -4,6 +4,7 @@ use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
 use super::ekf_slam::EkfSlamMethod;
+use super::fusion::Fusion;
 use super::histogram::Histogram;
 use super::kf_slam::KfSlamMethod;
 use super::landmark_mcl::SightMcl;
@@ -13,6 +14,7 @@ use super::mcl::ScanMcl;
 use super::rail::RailFilter;
 use crate::source::Setup;
 use crate::{Error, Result};
+use loc_filters::fusion::FusionSettings;
 use loc_filters::histogram::GridSettings;
 use loc_filters::landmark::LandmarkSettings;
 use loc_filters::lateration::SlidingSettings;
@@ -36,6 +38,8 @@ pub enum Method {
     Ekf,
     /// The extended Kalman filter with the lines of a map (H4).
     LineEkf,
+    /// Every sensor there is, in one extended Kalman filter (B, H1).
+    Fusion,
     /// Monte Carlo localization (M).
     Mcl,
     /// Markov localization on a grid (K1).
@@ -64,6 +68,8 @@ pub struct MethodSettings {
     pub histogram: GridSettings,
     /// For lateration; what it shares with the other methods among landmarks, it takes from there.
     pub lateration: SlidingSettings,
+    /// For `fusion`; what it shares with the other methods among landmarks, it takes from there.
+    pub fusion: FusionSettings,
     /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
     pub slam: SlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
@@ -110,6 +116,29 @@ impl MethodSettings {
 }
 
 impl MethodSettings {
+    /// Settings of `fusion`, with what all methods among landmarks are told.
+    pub fn fusion(&self) -> FusionSettings {
+        let LandmarkSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            horizon,
+        } = self.landmark;
+        FusionSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            horizon,
+            ..self.fusion
+        }
+    }
+}
+
+impl MethodSettings {
     /// Settings of `ekf-slam`, with what all methods among landmarks are told.
     pub fn slam(&self) -> SlamSettings {
         let LandmarkSettings {
@@ -133,12 +162,13 @@ impl MethodSettings {
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 9] = [
+    pub const ALL: [Method; 10] = [
         Method::DeadReckoning,
         Method::Lateration,
         Method::Kf,
         Method::Ekf,
         Method::LineEkf,
+        Method::Fusion,
         Method::Histogram,
         Method::Mcl,
         Method::KfSlam,
@@ -153,6 +183,7 @@ impl Method {
             Method::Kf => "kf",
             Method::Ekf => "ekf",
             Method::LineEkf => "line-ekf",
+            Method::Fusion => "fusion",
             Method::Mcl => "mcl",
             Method::Histogram => "histogram",
             Method::KfSlam => "kf-slam",
@@ -190,6 +221,7 @@ impl Method {
             Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
             Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
             Method::LineEkf => Box::new(LineMatching::new(setup, settings)?),
+            Method::Fusion => Box::new(Fusion::new(setup, settings)?),
             // Where both can be had, scans tell more than landmarks.
             Method::Mcl if setup.has_laser || setup.landmarks.is_empty() => {
                 Box::new(ScanMcl::new(setup, settings)?)

@@ -8,6 +8,7 @@ mod driven;
 mod ekf;
 mod ekf_slam;
 mod estimated_map;
+mod fusion;
 mod histogram;
 mod kf_slam;
 mod landmark_mcl;
@@ -17,6 +18,7 @@ mod mcl;
 mod method;
 mod place_belief;
 mod rail;
+mod sensor_error;
 pub(crate) mod smoothed;
 mod whitened;
 
@@ -24,6 +26,7 @@ pub use cloud::Cloud;
 pub use estimated_map::EstimatedMap;
 pub use method::{Method, MethodSettings, RailSettings};
 pub use place_belief::PlaceBelief;
+pub use sensor_error::SensorError;
 pub use whitened::Whitened;
 
 use crate::Result;
@@ -70,6 +73,15 @@ pub trait Localizer {
     /// What the filter refuses.
     fn map(&self) -> Result<Option<EstimatedMap>> {
         Ok(None)
+    }
+
+    /// What a method that calibrates its sensors on the way believes about their errors at a time
+    /// \[s\] not before the last input; nothing for any other.
+    ///
+    /// # Errors
+    /// What the filter refuses.
+    fn sensor_errors(&self, _stamp: f64) -> Result<Vec<SensorError>> {
+        Ok(Vec::new())
     }
 
     /// The particles of a method that has any, for figures: thinned to at most

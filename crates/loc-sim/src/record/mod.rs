@@ -2,9 +2,11 @@
 //! recording may come without a truth; its estimates are those at its scans.
 
 use crate::event::Truth;
-use crate::localizer::{Estimate, EstimatedMap, Judgement, Method, MethodSettings, PlaceBelief};
+use crate::localizer::{
+    Estimate, EstimatedMap, Judgement, Method, MethodSettings, PlaceBelief, SensorError,
+};
 use crate::metrics::pose_nees_with_freedom;
-use crate::source::Setup;
+use crate::source::{SensorTruth, Setup};
 use loc_core::{Pose2, Stamped};
 use std::borrow::Cow;
 
@@ -31,6 +33,8 @@ pub struct Run {
     pub truth_has_heading: bool,
     /// One record per method, in the order in which they were asked for.
     pub methods: Vec<MethodRecord>,
+    /// The true errors of the sensors, where a simulation keeps them.
+    pub sensor_truth: SensorTruth,
     /// What the source passed over.
     pub notes: Vec<String>,
     /// What was to be seen at each of the stamps, where somebody filmed it.
@@ -48,6 +52,9 @@ pub struct MethodRecord {
     pub estimates: Vec<Estimate>,
     /// Its judgements on the measurements, with their stamps \[s\].
     pub judgements: Vec<Stamped<Judgement>>,
+    /// What it believed about the errors of its sensors, for each stamp of the run; empty for a
+    /// method that does not ask.
+    pub sensor_errors: Vec<Vec<SensorError>>,
     /// The particles of a method that has any, now and then.
     pub snapshots: Snapshots,
     /// The probabilities of the places, of a method that keeps a grid of them, now and then.

@@ -19,6 +19,7 @@ pub const ALL: [(&str, &str); 40] = [
     ("landmark-drive", include_str!("../../scenarios/landmark-drive.toml")),
     ("aibo-soccer", include_str!("../../scenarios/aibo-soccer.toml")),
     ("line-matching", include_str!("../../scenarios/line-matching.toml")),
+    ("sensor-fusion", include_str!("../../scenarios/sensor-fusion.toml")),
     ("mailbox", include_str!("../../scenarios/mailbox.toml")),
     ("door-corridor", include_str!("../../scenarios/door-corridor.toml")),
     ("mcl-1d", include_str!("../../scenarios/mcl-1d.toml")),

@@ -1,6 +1,6 @@
 //! What the filters are told, in the units of configuration files.
 
-use super::{LandmarkMclConfig, LaterationConfig, SlamConfig};
+use super::{FusionConfig, LandmarkMclConfig, LaterationConfig, SlamConfig};
 use crate::Result;
 use crate::localizer::MethodSettings;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
@@ -36,6 +36,8 @@ pub struct FilterConfig {
     pub landmark_mcl: LandmarkMclConfig,
     /// What lateration is told beside.
     pub lateration: LaterationConfig,
+    /// What fusion is told beside.
+    pub fusion: FusionConfig,
     /// What SLAM is told beside.
     pub slam: SlamConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
@@ -61,6 +63,7 @@ impl FilterConfig {
             landmark_mcl: self.landmark_mcl.settings()?,
             lateration: self.lateration.settings()?,
             line_matching,
+            fusion: self.fusion.settings()?,
             slam: self.slam.settings()?,
             global: self.global,
             smooth: self.smooth,

@@ -13,6 +13,7 @@
 
 pub mod builtin;
 mod filter;
+mod fusion;
 pub mod ids;
 mod landmark_mcl;
 mod lateration;
@@ -22,6 +23,7 @@ mod shorthand;
 mod slam;
 
 pub use filter::FilterConfig;
+pub use fusion::FusionConfig;
 pub use landmark_mcl::LandmarkMclConfig;
 pub use lateration::LaterationConfig;
 pub use recording::{RecordingConfig, StartConfig};
@@ -35,9 +37,10 @@ use crate::probability_map::{ProbabilityMap, ProbabilityMapConfig};
 use crate::record::Run;
 use crate::runner::{Told, Watcher};
 use crate::source::drive::DriveConfig;
+use crate::source::outdoor::OutdoorConfig;
 use crate::source::rail::RailConfig;
 use crate::source::tour::TourConfig;
-use crate::source::{SimulatedDrive, SimulatedRail, SimulatedTour, Source};
+use crate::source::{SimulatedDrive, SimulatedOutdoor, SimulatedRail, SimulatedTour, Source};
 use crate::{Error, Result, config, runner};
 use loc_filters::landmark::LandmarkSettings;
 use serde::Deserialize;
@@ -65,6 +68,8 @@ pub struct Scenario {
     pub rail: Option<RailConfig>,
     /// A robot with a laser in a building.
     pub tour: Option<TourConfig>,
+    /// A robot outdoors, with sensors that fall silent.
+    pub outdoor: Option<OutdoorConfig>,
     /// A scan that is rated everywhere; no method runs on it.
     pub probability_map: Option<ProbabilityMapConfig>,
     /// What a method does inside; no method runs on it.
@@ -82,6 +87,7 @@ enum Kind<'a> {
     Drive(&'a DriveConfig),
     Rail(&'a RailConfig),
     Tour(&'a TourConfig),
+    Outdoor(&'a OutdoorConfig),
     ProbabilityMap(&'a ProbabilityMapConfig),
     Demonstration(&'a DemonstrationConfig),
     Sensor(&'a SensorConfig),
@@ -146,6 +152,7 @@ impl Scenario {
             }
             Kind::Rail(rail) => rail.check()?,
             Kind::Tour(tour) => tour.check()?,
+            Kind::Outdoor(outdoor) => outdoor.check()?,
             Kind::ProbabilityMap(map) => map.check()?,
             Kind::Demonstration(demonstration) => demonstration.check()?,
             Kind::Sensor(sensor) => sensor.check()?,
@@ -159,6 +166,7 @@ impl Scenario {
             self.drive.as_ref().map(Kind::Drive),
             self.rail.as_ref().map(Kind::Rail),
             self.tour.as_ref().map(Kind::Tour),
+            self.outdoor.as_ref().map(Kind::Outdoor),
             self.probability_map.as_ref().map(Kind::ProbabilityMap),
             self.demonstration.as_ref().map(Kind::Demonstration),
             self.sensor.as_ref().map(Kind::Sensor),
@@ -169,7 +177,7 @@ impl Scenario {
             (first, _) => {
                 let found = if first.is_some() { "several" } else { "none" };
                 Err(config::field(
-                    "drive, rail, tour, probability_map, demonstration, sensor",
+                    "drive, rail, tour, outdoor, probability_map, demonstration, sensor",
                     "one of them",
                     found,
                 ))
@@ -194,6 +202,7 @@ impl Scenario {
             Kind::Drive(drive) => Box::new(SimulatedDrive::new(&self.name, drive, seed)?),
             Kind::Rail(rail) => Box::new(SimulatedRail::new(&self.name, rail, seed)?),
             Kind::Tour(tour) => Box::new(SimulatedTour::new(&self.name, tour, seed)?),
+            Kind::Outdoor(outdoor) => Box::new(SimulatedOutdoor::new(&self.name, outdoor, seed)?),
             Kind::ProbabilityMap(_) => return Err(self.unmoved("probability_map")),
             Kind::Demonstration(_) => return Err(self.unmoved("demonstration")),
             Kind::Sensor(_) => return Err(self.unmoved("sensor")),
@@ -212,10 +221,14 @@ impl Scenario {
         let sensors = match self.kind()? {
             Kind::Drive(drive) => drive.settings()?,
             Kind::Tour(tour) => tour.sights()?,
+            Kind::Outdoor(outdoor) => outdoor.landmark_settings()?,
             _ => LandmarkSettings::default(),
         };
         let filter = self.filter.clone().unwrap_or_default();
         let mut settings = filter.methods(sensors)?;
+        if let Kind::Outdoor(outdoor) = self.kind()? {
+            settings.fusion = outdoor.fusion_settings(&settings.fusion)?;
+        }
         if let (Kind::Tour(tour), None) = (self.kind()?, filter.line_matching) {
             let extractor = &mut settings.line_matching.extractor;
             extractor.noise = tour.laser.scanner()?.spec.noise;
@@ -240,7 +253,7 @@ impl Scenario {
                 Some(demonstration.illustrate(&self.title, seed)?)
             }
             Kind::Sensor(sensor) => Some(sensor.illustrate(seed)?),
-            Kind::Drive(_) | Kind::Rail(_) | Kind::Tour(_) => None,
+            Kind::Drive(_) | Kind::Rail(_) | Kind::Tour(_) | Kind::Outdoor(_) => None,
         })
     }
 

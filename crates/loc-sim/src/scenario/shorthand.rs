@@ -7,7 +7,8 @@
 use toml::Table;
 
 /// What is simulated, one of these per scenario.
-const KINDS: [&str; 6] = ["drive", "rail", "tour", "probability_map", "demonstration", "sensor"];
+const KINDS: [&str; 7] =
+    ["drive", "rail", "tour", "outdoor", "probability_map", "demonstration", "sensor"];
 
 /// The other sections and keys of a scenario.
 const OTHERS: [&str; 7] = ["name", "title", "ids", "seed", "methods", "filter", "also_in_frame"];

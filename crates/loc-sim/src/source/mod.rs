@@ -8,6 +8,7 @@ pub mod drive;
 pub mod laser_log;
 pub mod mrclam;
 mod noise;
+pub mod outdoor;
 pub mod people;
 pub mod rail;
 pub mod ranging;
@@ -21,6 +22,7 @@ pub use drive::SimulatedDrive;
 pub use laser_log::LaserRecording;
 pub use mrclam::Mrclam;
 pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
+pub use outdoor::SimulatedOutdoor;
 pub use rail::SimulatedRail;
 pub use ranging::RangeRecording;
 pub use ros::RosRecording;
@@ -58,6 +60,35 @@ pub struct Setup {
     pub kidnapped_at: Option<f64>,
 }
 
+/// The true errors of a simulated robot's sensors, for figures.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SensorTruth {
+    /// When sensors were silent.
+    pub silences: Vec<Silence>,
+    /// The errors that last.
+    pub errors: Vec<TrueError>,
+}
+
+/// A time without measurements of a sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Silence {
+    /// The sensor.
+    pub sensor: &'static str,
+    /// Its begin \[s\].
+    pub from: f64,
+    /// Its end \[s\].
+    pub to: f64,
+}
+
+/// A true error over time, named as [`SensorError`](crate::localizer::SensorError) names it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrueError {
+    /// The sensor with the unit of the error.
+    pub name: &'static str,
+    /// Time \[s\] and value.
+    pub values: Vec<(f64, f64)>,
+}
+
 /// A stream of events in order of arrival.
 pub trait Source {
     /// What is known before the first event.
@@ -72,6 +103,11 @@ pub trait Source {
     /// What was passed over, as counted lines for the user: `3 sightings of unknown barcodes`.
     fn notes(&self) -> Vec<String> {
         Vec::new()
+    }
+
+    /// The true errors of the sensors so far, of a simulated robot that keeps them.
+    fn sensor_truth(&self) -> SensorTruth {
+        SensorTruth::default()
     }
 
     /// Whether the true poses have headings; where only positions are known, theirs are 0.

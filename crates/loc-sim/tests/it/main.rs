@@ -16,6 +16,7 @@ mod evo;
 mod figures;
 #[cfg(feature = "cli")]
 mod fit_beam;
+mod fusion;
 mod histogram;
 mod ids;
 mod landmark_mcl;

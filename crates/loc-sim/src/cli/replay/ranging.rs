@@ -36,6 +36,6 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
     Ok(Replay {
         source: Box::new(source),
         settings,
-        methods: odometry.into_iter().chain([Method::Lateration]).collect(),
+        methods: odometry.into_iter().chain([Method::Lateration, Method::Fusion]).collect(),
     })
 }

@@ -2,6 +2,7 @@
 
 mod clouds;
 mod errors;
+mod fusion;
 mod histogram;
 mod lines;
 mod map;
@@ -40,6 +41,8 @@ pub const NAMES: [&str; 18] = [
     "mailbox.svg",
     "beliefs.svg",
     "lines.svg",
+    "fusion.svg",
+    "biases.svg",
     "histogram.svg",
     "topological.svg",
     "places.svg",
@@ -54,6 +57,7 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     figures.extend(lines::lines(run));
     figures.extend(clouds::clouds(run));
     figures.extend(resampling::resampling(run));
+    figures.extend(fusion::fusion(run));
     figures.extend(histogram::histogram(run));
     if run.truth.is_empty() {
         return figures;

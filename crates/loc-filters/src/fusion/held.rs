@@ -1,0 +1,308 @@
+//! The filter at the stamp of its last input, with what still holds from inputs before.
+
+use super::models::{
+    CompassModel, DirectionModel, DistanceModel, InertialModel, PositionModel, SightModel,
+    WheelModel,
+};
+use super::motion::{FusedMotion, Walked};
+use super::outcome::{FusionOutcome, FusionSensor};
+use super::settings::FusionSettings;
+use super::state::{FusedBelief, SPEED, STATES, Square, TURN};
+use crate::delayed::Step;
+use crate::landmark::RangeBearingModel;
+use crate::{Error, ExtendedKalmanFilter, Gate, Result};
+use loc_core::{Gaussian, Twist2};
+use loc_maps::LandmarkMap;
+use loc_sensors::compass::CompassReading;
+use loc_sensors::imu::ImuReading;
+use loc_sensors::landmark_camera::{Sight, Sighting};
+use nalgebra::{Matrix2, Vector1, Vector2};
+use std::sync::Arc;
+
+/// A stretch without a measurement of the velocity is cut into pieces of this length, so that its
+/// random walk reaches the pose \[s\].
+const PIECE: f64 = 0.1;
+/// More pieces than this are not worth their time.
+const MOST_PIECES: f64 = 1000.0;
+/// What a sensor measured holds for so many of its periods.
+const HOLDS: f64 = 1.5;
+/// A sensor's period as long as only one reading is known, and the longest \[s\].
+const FIRST_PERIOD: f64 = 0.1;
+const LONGEST_PERIOD: f64 = 1.0;
+/// Rounding of what wheels report: 1 mm/s, 1 mrad/s.
+const WHEEL_ROUNDING: f64 = 1e-6;
+
+/// What the filter is given.
+#[derive(Debug, Clone)]
+pub(super) enum Input {
+    Odometry(Twist2),
+    Inertial(ImuReading),
+    Compass(CompassReading),
+    Position(Gaussian<2>),
+    Sightings(Vec<Sighting>),
+}
+
+/// A sensor that measures again and again.
+#[derive(Debug, Clone, Copy)]
+struct Pulse {
+    last: Option<f64>,
+    /// When its last measurement ceases to hold \[s\].
+    until: f64,
+}
+
+impl Pulse {
+    const SILENT: Pulse = Pulse { last: None, until: f64::NEG_INFINITY };
+
+    /// A measurement at `stamp` \[s\]; the answer is the time since the last one.
+    fn beat(&mut self, stamp: f64) -> f64 {
+        let since = self.last.map(|last| stamp - last).filter(|since| *since > 0.0);
+        let period = since.unwrap_or(FIRST_PERIOD).min(LONGEST_PERIOD);
+        *self = Pulse { last: Some(stamp), until: stamp + HOLDS * period };
+        period
+    }
+
+    fn holds(&self, stamp: f64) -> bool {
+        stamp < self.until
+    }
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Held {
+    filter: ExtendedKalmanFilter<STATES>,
+    settings: FusionSettings,
+    gate: Gate,
+    map: Arc<LandmarkMap>,
+    pub(super) stamp: f64,
+    wheels: Pulse,
+    inertial: Pulse,
+    acceleration: f64,
+    sideways: f64,
+    /// What the velocity has walked since it was measured last.
+    walked: Walked,
+    steps: u64,
+}
+
+impl Held {
+    pub(super) fn new(
+        map: Arc<LandmarkMap>,
+        settings: FusionSettings,
+        stamp: f64,
+        start: &Gaussian<3>,
+    ) -> Result<Self> {
+        let gate = settings.check()?;
+        let belief = super::start::belief(&settings, start)?;
+        Ok(Held {
+            filter: ExtendedKalmanFilter::new(belief)?.with_angles(&[super::state::THETA]),
+            settings,
+            gate,
+            map,
+            stamp,
+            wheels: Pulse::SILENT,
+            inertial: Pulse::SILENT,
+            acceleration: 0.0,
+            sideways: 0.0,
+            walked: Walked { speed: 0.0, turn: 0.0 },
+            steps: 0,
+        })
+    }
+
+    /// The belief now.
+    ///
+    /// # Errors
+    /// [`Error::LostPositivity`].
+    pub(super) fn belief(&self) -> Result<FusedBelief> {
+        let belief = *self.filter.belief();
+        match loc_core::gaussian::check_covariance("fused covariance", &belief.covariance) {
+            Ok(()) => Ok(FusedBelief(belief)),
+            Err(_) => Err(self.lost(&belief.covariance)),
+        }
+    }
+
+    fn lost(&self, covariance: &Square) -> Error {
+        let found = format!("{:?}", covariance.diagonal().as_slice());
+        Error::LostPositivity { what: "diagonal of the fused covariance", step: self.steps, found }
+    }
+
+    /// Drives on to a time \[s\], through every moment at which a measurement ceases to hold.
+    pub(super) fn drive_to(&mut self, stamp: f64) -> Result<()> {
+        let longest = PIECE.max((stamp - self.stamp) / MOST_PIECES);
+        while self.stamp < stamp {
+            let known = self.wheels.holds(self.stamp);
+            let turn_known = known || self.inertial.holds(self.stamp);
+            let mut end = stamp;
+            for pulse in [&self.wheels, &self.inertial] {
+                if pulse.holds(self.stamp) {
+                    end = end.min(pulse.until);
+                }
+            }
+            if !(known && turn_known) {
+                end = end.min(self.stamp + longest);
+                self.walk(!known, !turn_known)?;
+            }
+            self.piece(end)?;
+        }
+        Ok(())
+    }
+
+    fn piece(&mut self, end: f64) -> Result<()> {
+        let dt = end - self.stamp;
+        let acceleration = self.inertial.holds(self.stamp).then_some(self.acceleration);
+        let sideways = if self.wheels.holds(self.stamp) { self.sideways } else { 0.0 };
+        let motion = FusedMotion::new(&self.settings, dt, sideways, acceleration);
+        self.filter.predict(&motion)?;
+        let FusionSettings { speed_walk, slope_walk, turn_walk, imu, .. } = &self.settings;
+        self.walked.turn += turn_walk * turn_walk * dt;
+        self.walked.speed += dt
+            * match acceleration {
+                Some(_) => slope_walk * slope_walk + imu.accelerometer.density.powi(2),
+                None => speed_walk * speed_walk,
+            };
+        self.stamp = end;
+        Ok(())
+    }
+
+    /// Lets the walk of the speed or the turn rate enter the belief. Where a sensor measures them
+    /// again and again, it does so only then: what was measured holds in between, with the
+    /// sensor's own noise.
+    fn walk(&mut self, speed: bool, turn: bool) -> Result<()> {
+        let take = |wanted: bool, walked: &mut f64| {
+            if wanted { std::mem::take(walked) } else { 0.0 }
+        };
+        let walked = Walked {
+            speed: take(speed, &mut self.walked.speed),
+            turn: take(turn, &mut self.walked.turn),
+        };
+        if walked.speed > 0.0 || walked.turn > 0.0 { self.filter.predict(&walked) } else { Ok(()) }
+    }
+
+    fn odometry(&mut self, stamp: f64, twist: &Twist2) -> Result<FusionOutcome> {
+        let period = self.wheels.beat(stamp);
+        self.walk(true, true)?;
+        // Nothing but an inertial unit knows better than the wheels how the robot moves.
+        let better_known = self.inertial.holds(self.stamp);
+        let gate = if better_known { self.gate } else { Gate::OPEN };
+        let moves = if better_known { self.expected_twist() } else { *twist };
+        let variances = self.settings.motion_noise.variances(moves, period);
+        let variances = Vector2::new(variances.x, variances.z).add_scalar(WHEEL_ROUNDING);
+        let z = Vector2::new(twist.vx, twist.omega);
+        let innovation = self.filter.correct(&WheelModel { variances }, &z, &gate)?;
+        self.sideways = twist.vy;
+        Ok(FusionOutcome::of(FusionSensor::Wheels, &innovation))
+    }
+
+    /// The velocity that is expected, as the root of its mean square. The noise of the wheels grows
+    /// with the speed: taken from a reading, it would make those that are too fast count less than
+    /// those that are too slow, and the robot slower than it is.
+    fn expected_twist(&self) -> Twist2 {
+        let Gaussian { mean, covariance } = self.filter.belief();
+        let size = |index: usize| (mean[index].powi(2) + covariance[(index, index)]).sqrt();
+        Twist2::forward(size(SPEED), size(TURN))
+    }
+
+    fn inertial(&mut self, stamp: f64, reading: &ImuReading) -> Result<FusionOutcome> {
+        self.inertial.beat(stamp);
+        self.walk(false, true)?;
+        let imu = &self.settings.imu;
+        let period = 1.0 / imu.rate;
+        // The turn rate of a wheel's wobble is far below this.
+        let floor = 1e-8;
+        let variances = Vector2::new(
+            imu.gyroscope.sample_sigma(period).powi(2) + floor,
+            imu.accelerometer.sample_sigma(period).powi(2) + self.settings.slope_walk.powi(2),
+        );
+        let z = Vector2::new(reading.angular_velocity.z, reading.acceleration.y);
+        let innovation = self.filter.correct(&InertialModel { variances }, &z, &self.gate)?;
+        self.acceleration = reading.acceleration.x;
+        Ok(FusionOutcome::of(FusionSensor::Inertial, &innovation))
+    }
+
+    fn compass(&mut self, reading: &CompassReading) -> Result<FusionOutcome> {
+        let variance = self.settings.compass_sigma.powi(2);
+        let z = Vector1::new(reading.heading);
+        let innovation = self.filter.correct(&CompassModel { variance }, &z, &self.gate)?;
+        Ok(FusionOutcome::of(FusionSensor::Compass, &innovation))
+    }
+
+    /// The drift is a state; what the receiver claims beyond it is noise.
+    fn position(&mut self, fix: &Gaussian<2>) -> Result<FusionOutcome> {
+        let gnss = &self.settings.gnss;
+        let usual = 2.0 * gnss.sigma().powi(2);
+        let worse = (fix.covariance.trace() / usual).max(1.0);
+        let noise = Matrix2::identity() * (gnss.white_sigma.powi(2) * worse);
+        let model = PositionModel { antenna: self.settings.antenna, noise };
+        let innovation = self.filter.correct(&model, &fix.mean, &self.gate)?;
+        Ok(FusionOutcome::of(FusionSensor::Position, &innovation))
+    }
+
+    fn sighting(&mut self, sighting: &Sighting) -> Result<FusionOutcome> {
+        let sensor = FusionSensor::Landmark(sighting.landmark);
+        let Some(landmark) = self.map.get(sighting.landmark) else {
+            return Ok(FusionOutcome::refused(sensor));
+        };
+        let FusionSettings { mounting, sight_noise: noise, .. } = self.settings;
+        let landmark = landmark.position.xy();
+        let sight = RangeBearingModel { landmark, mounting, noise };
+        let model = SightModel::new(sight, self.filter.belief());
+        let (filter, gate) = (&mut self.filter, &self.gate);
+        Ok(match sighting.sight {
+            Sight::RangeBearing { range, bearing } => {
+                let z = Vector2::new(range, bearing);
+                FusionOutcome::of(sensor, &filter.correct(&model, &z, gate)?)
+            }
+            Sight::Range { range } => {
+                let z = Vector1::new(range);
+                FusionOutcome::of(sensor, &filter.correct(&DistanceModel(model), &z, gate)?)
+            }
+            Sight::Bearing { bearing } => {
+                let z = Vector1::new(bearing);
+                FusionOutcome::of(sensor, &filter.correct(&DirectionModel(model), &z, gate)?)
+            }
+        })
+    }
+
+    fn take(&mut self, stamp: f64, input: &Input) -> Result<Vec<FusionOutcome>> {
+        // Inputs from before the start belong to the start.
+        let stamp = stamp.max(self.stamp);
+        self.drive_to(stamp)?;
+        self.steps += 1;
+        let outcomes = match input {
+            Input::Odometry(twist) => vec![self.odometry(stamp, twist)?],
+            Input::Inertial(reading) => vec![self.inertial(stamp, reading)?],
+            Input::Compass(reading) => vec![self.compass(reading)?],
+            Input::Position(fix) => vec![self.position(fix)?],
+            Input::Sightings(sightings) => {
+                sightings.iter().map(|one| self.sighting(one)).collect::<Result<_>>()?
+            }
+        };
+        let covariance = &self.filter.belief().covariance;
+        if covariance.diagonal().iter().all(|variance| *variance >= 0.0 && variance.is_finite()) {
+            return Ok(outcomes);
+        }
+        Err(self.lost(covariance))
+    }
+}
+
+impl Step for Held {
+    type Input = Input;
+    type Report = Vec<FusionOutcome>;
+
+    fn step(&mut self, stamp: f64, input: &Input) -> Result<Vec<FusionOutcome>> {
+        let mut next = self.clone();
+        let outcomes = next.take(stamp, input)?;
+        *self = next;
+        Ok(outcomes)
+    }
+
+    /// Of one stamp, first what tells how the robot moves, then where it is.
+    fn rank(input: &Input) -> u64 {
+        match input {
+            Input::Odometry(_) => 0,
+            Input::Inertial(_) => 1,
+            Input::Compass(_) => 2,
+            Input::Position(_) => 3,
+            Input::Sightings(sightings) => {
+                4 + sightings.first().map_or(0, |first| u64::from(first.landmark))
+            }
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! What each sensor measures of the states.
+
+use super::state::{
+    DRIFT_X, DRIFT_Y, GYRO_BIAS, LEFT_BIAS, RANGE_OFFSET, RANGE_SCALE, SPEED, STATES, State, THETA,
+    TURN, X, Y,
+};
+use crate::extended::MeasurementModel;
+use crate::landmark::RangeBearingModel;
+use loc_core::{Gaussian, angle};
+use nalgebra::{Matrix1, Matrix2, Matrix2x3, Point2, SMatrix, Vector1, Vector2, Vector3};
+
+/// Gradients of one number.
+type Row = SMatrix<f64, 1, STATES>;
+/// Gradients of two.
+type Rows = SMatrix<f64, 2, STATES>;
+
+/// Nearer than this \[m\] nothing is.
+const NEAREST: f64 = 1e-3;
+
+fn pose(state: &State) -> Vector3<f64> {
+    state.fixed_rows::<3>(0).into()
+}
+
+/// The wheels: speed and turn rate, `(v, omega)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WheelModel {
+    /// Variances of speed \[m^2/s^2\] and turn rate \[rad^2/s^2\].
+    pub variances: Vector2<f64>,
+}
+
+impl MeasurementModel<STATES, 2> for WheelModel {
+    fn predict(&self, state: &State) -> Vector2<f64> {
+        Vector2::new(state[SPEED], state[TURN])
+    }
+
+    fn jacobian(&self, _state: &State) -> Rows {
+        let mut h = Rows::zeros();
+        h[(0, SPEED)] = 1.0;
+        h[(1, TURN)] = 1.0;
+        h
+    }
+
+    fn noise(&self, _expected: &Vector2<f64>) -> Matrix2<f64> {
+        Matrix2::from_diagonal(&self.variances)
+    }
+}
+
+/// The gyroscope: `omega + b_g`; and the accelerometer that points left, which in a curve feels
+/// `v omega + b_l`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InertialModel {
+    /// Variances of turn rate \[rad^2/s^2\] and acceleration \[m^2/s^4\].
+    pub variances: Vector2<f64>,
+}
+
+impl MeasurementModel<STATES, 2> for InertialModel {
+    fn predict(&self, state: &State) -> Vector2<f64> {
+        Vector2::new(state[TURN] + state[GYRO_BIAS], state[SPEED] * state[TURN] + state[LEFT_BIAS])
+    }
+
+    fn jacobian(&self, state: &State) -> Rows {
+        let mut h = Rows::zeros();
+        h[(0, TURN)] = 1.0;
+        h[(0, GYRO_BIAS)] = 1.0;
+        h[(1, SPEED)] = state[TURN];
+        h[(1, TURN)] = state[SPEED];
+        h[(1, LEFT_BIAS)] = 1.0;
+        h
+    }
+
+    fn noise(&self, _expected: &Vector2<f64>) -> Matrix2<f64> {
+        Matrix2::from_diagonal(&self.variances)
+    }
+}
+
+/// The compass: the heading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CompassModel {
+    /// Its variance \[rad^2\].
+    pub variance: f64,
+}
+
+impl MeasurementModel<STATES, 1> for CompassModel {
+    fn predict(&self, state: &State) -> Vector1<f64> {
+        Vector1::new(state[THETA])
+    }
+
+    fn jacobian(&self, _state: &State) -> Row {
+        let mut h = Row::zeros();
+        h[THETA] = 1.0;
+        h
+    }
+
+    fn noise(&self, _expected: &Vector1<f64>) -> Matrix1<f64> {
+        Matrix1::new(self.variance)
+    }
+
+    fn residual(&self, z: &Vector1<f64>, expected: &Vector1<f64>) -> Vector1<f64> {
+        Vector1::new(angle::difference(z.x, expected.x))
+    }
+}
+
+/// The satellite receiver: the place of its antenna, off by the drift.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PositionModel {
+    /// Place of the antenna on the robot \[m\].
+    pub antenna: Point2<f64>,
+    /// Covariance beside the drift \[m^2\].
+    pub noise: Matrix2<f64>,
+}
+
+impl PositionModel {
+    /// From the robot to its antenna, in the map.
+    fn lever(&self, state: &State) -> Vector2<f64> {
+        let (sin, cos) = state[THETA].sin_cos();
+        let Point2 { coords } = self.antenna;
+        Vector2::new(cos * coords.x - sin * coords.y, sin * coords.x + cos * coords.y)
+    }
+}
+
+impl MeasurementModel<STATES, 2> for PositionModel {
+    fn predict(&self, state: &State) -> Vector2<f64> {
+        Vector2::new(state[X] + state[DRIFT_X], state[Y] + state[DRIFT_Y]) + self.lever(state)
+    }
+
+    fn jacobian(&self, state: &State) -> Rows {
+        let lever = self.lever(state);
+        let mut h = Rows::zeros();
+        (h[(0, X)], h[(0, DRIFT_X)], h[(0, THETA)]) = (1.0, 1.0, -lever.y);
+        (h[(1, Y)], h[(1, DRIFT_Y)], h[(1, THETA)]) = (1.0, 1.0, lever.x);
+        h
+    }
+
+    fn noise(&self, _expected: &Vector2<f64>) -> Matrix2<f64> {
+        self.noise
+    }
+}
+
+/// Distance and direction of a landmark, the distance with the bias of its sensor:
+/// `(s r + o, phi)`.
+///
+/// A circle is no straight line: of a robot that is off by `d` across the line of sight, the
+/// distance is longer by `d^2 / 2 r`. With the variance `w` across, distances are expected to be
+/// longer by `w / 2 r` and to scatter by `(w / r)^2 / 2` more (the second-order filter of Bar-Shalom
+/// et al. 2001, 10.3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SightModel {
+    /// The landmark as it would be seen without a bias.
+    pub sight: RangeBearingModel,
+    /// Variance of the position across the line of sight, by the distance, `w / r` \[m\].
+    pub bend: f64,
+}
+
+impl SightModel {
+    /// The model for a belief.
+    pub fn new(sight: RangeBearingModel, belief: &Gaussian<STATES>) -> Self {
+        let view = sight.predict(&pose(&belief.mean));
+        let direction = view.y + sight.mounting.theta + belief.mean[THETA];
+        let across = Vector2::new(-direction.sin(), direction.cos());
+        let position = belief.covariance.fixed_view::<2, 2>(0, 0);
+        let variance = across.dot(&(position * across));
+        SightModel { sight, bend: variance / view.x.max(variance.sqrt()).max(NEAREST) }
+    }
+
+    /// Variance of the distance that the bend adds \[m^2\].
+    fn scatter(&self) -> f64 {
+        0.5 * self.bend * self.bend
+    }
+
+    fn whole(&self, state: &State) -> (Vector2<f64>, Rows) {
+        let (true_sight, by_pose): (_, Matrix2x3<f64>) = self.sight.linearize(&pose(state));
+        let mut h = Rows::zeros();
+        h.fixed_view_mut::<2, 3>(0, 0).copy_from(&by_pose);
+        for column in 0..3 {
+            h[(0, column)] *= state[RANGE_SCALE];
+        }
+        h[(0, RANGE_SCALE)] = true_sight.x + 0.5 * self.bend;
+        h[(0, RANGE_OFFSET)] = 1.0;
+        let range = state[RANGE_SCALE] * (true_sight.x + 0.5 * self.bend) + state[RANGE_OFFSET];
+        (Vector2::new(range, true_sight.y), h)
+    }
+}
+
+impl MeasurementModel<STATES, 2> for SightModel {
+    fn predict(&self, state: &State) -> Vector2<f64> {
+        self.whole(state).0
+    }
+
+    fn jacobian(&self, state: &State) -> Rows {
+        self.whole(state).1
+    }
+
+    fn linearize(&self, state: &State) -> (Vector2<f64>, Rows) {
+        self.whole(state)
+    }
+
+    fn noise(&self, expected: &Vector2<f64>) -> Matrix2<f64> {
+        let mut noise = self.sight.noise(expected);
+        noise[(0, 0)] += self.scatter();
+        noise
+    }
+
+    fn residual(&self, z: &Vector2<f64>, expected: &Vector2<f64>) -> Vector2<f64> {
+        self.sight.residual(z, expected)
+    }
+}
+
+/// The distance alone, `s r + o`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DistanceModel(pub SightModel);
+
+impl MeasurementModel<STATES, 1> for DistanceModel {
+    fn predict(&self, state: &State) -> Vector1<f64> {
+        Vector1::new(self.0.whole(state).0.x)
+    }
+
+    fn jacobian(&self, state: &State) -> Row {
+        self.0.whole(state).1.row(0).into()
+    }
+
+    fn noise(&self, expected: &Vector1<f64>) -> Matrix1<f64> {
+        let sigma = self.0.sight.noise.range_sigma_at(expected.x);
+        Matrix1::new(sigma * sigma + self.0.scatter())
+    }
+}
+
+/// The direction alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DirectionModel(pub SightModel);
+
+impl MeasurementModel<STATES, 1> for DirectionModel {
+    fn predict(&self, state: &State) -> Vector1<f64> {
+        Vector1::new(self.0.whole(state).0.y)
+    }
+
+    fn jacobian(&self, state: &State) -> Row {
+        self.0.whole(state).1.row(1).into()
+    }
+
+    fn noise(&self, _expected: &Vector1<f64>) -> Matrix1<f64> {
+        Matrix1::new(self.0.sight.noise.bearing_sigma.powi(2))
+    }
+
+    fn residual(&self, z: &Vector1<f64>, expected: &Vector1<f64>) -> Vector1<f64> {
+        Vector1::new(angle::difference(z.x, expected.x))
+    }
+}
