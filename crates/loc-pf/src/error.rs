@@ -10,6 +10,9 @@ pub enum Error {
     /// From the maps.
     #[error(transparent)]
     Maps(#[from] loc_maps::Error),
+    /// From the filters that particles are made of.
+    #[error(transparent)]
+    Filter(#[from] loc_filters::Error),
     /// The map has no place where a robot could be.
     #[error("map of {width} x {height} cells: expected free cells, got none")]
     NoFreeSpace {

@@ -93,7 +93,8 @@ pub fn run(
 
 /// Runs methods over a source to its end, with somebody looking on.
 ///
-/// Estimates are asked for at every true pose or, from a source without any, after every scan.
+/// Estimates are asked for at every true pose or, from a source without any, after every scan, and
+/// without a laser after every measurement.
 ///
 /// # Errors
 /// What the source or a method reports; [`Error::NoTruth`] where true poses were promised and
@@ -111,7 +112,11 @@ pub fn run_watched(
         runners.push(Runner::new(method, &setup, settings)?);
     }
     watcher.started(&setup, methods)?;
-    let samples_at = if source.has_truth() { is_truth } else { is_scan };
+    let samples_at = match source.has_truth() {
+        true => is_truth,
+        false if setup.has_laser => is_scan,
+        false => is_measurement,
+    };
     let (mut stamps, mut truth): (Vec<f64>, Vec<Stamped<Truth>>) = Default::default();
     while let Some(event) = source.next_event()? {
         watcher.event(&event)?;
@@ -156,6 +161,10 @@ fn is_truth(event: &Event) -> bool {
 
 fn is_scan(event: &Event) -> bool {
     matches!(event.payload, Payload::Measurement(Measurement::Scan { .. }))
+}
+
+fn is_measurement(event: &Event) -> bool {
+    matches!(event.payload, Payload::Measurement(_))
 }
 
 /// The events that are kept for smoothing, where that is wanted.

@@ -10,6 +10,7 @@ mod adaptive;
 mod bad_input;
 mod beam;
 mod clusters;
+mod fastslam;
 mod global;
 mod global_input;
 mod global_intel;

@@ -2,7 +2,7 @@
 
 use super::Global;
 use super::progress::Progress;
-use super::replay::{Format, RosArgs, guess};
+use super::replay::{Format, RosArgs, guess, open_landmarks};
 use crate::convert::{Converted, Track, to_carmen, to_mcap, to_tum, transcribe};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{LaserLog, ReplayOptions, Start};
@@ -13,6 +13,7 @@ use crate::source::{LaserRecording, Mrclam, RosRecording, Source};
 use crate::{Error, Result};
 use anyhow::bail;
 use loc_core::file::write_beside;
+use loc_filters::slam::Identities;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -121,6 +122,9 @@ fn open(args: &ConvertArgs, format: Format) -> Result<Box<dyn Source>> {
         Format::Wean => Box::new(replayed(WeanLog::open(log)?.laser_log()?)?),
         Format::Mrclam => Box::new(Mrclam::open(log, args.robot)?),
         Format::UwbLabyrinth => Box::new(RangeRecording::labyrinth(log, &RangingStart::default())?),
+        Format::LandmarkCourse | Format::KfSlamDemo | Format::VictoriaPark => {
+            Box::new(open_landmarks(log, format, Identities::Known, [0.0; 3])?)
+        }
         Format::Plaza => {
             Box::new(RangeRecording::plaza(log, args.robot, &RangingStart::default())?)
         }

@@ -2,7 +2,7 @@
 
 use super::Global;
 use super::progress::Progress;
-use super::replay::{Format, guess};
+use super::replay::{Format, guess, open_landmarks};
 use crate::event::{Control, Measurement, Payload};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{LaserLog, What};
@@ -10,6 +10,7 @@ use crate::source::ranging::{RangeRecording, RangingStart};
 use crate::source::ros::{self, Survey};
 use crate::source::wean::WeanLog;
 use crate::source::{Mrclam, Source};
+use loc_filters::slam::Identities;
 use std::path::{Path, PathBuf};
 
 /// List the topics of a recording, with types, numbers, times and rates.
@@ -59,6 +60,10 @@ pub fn info(args: &InfoArgs, global: &Global) -> anyhow::Result<()> {
         Format::Mrclam => mrclam(log)?,
         Format::UwbLabyrinth => ranges(RangeRecording::labyrinth(log, &RangingStart::default())?)?,
         Format::Plaza => ranges(RangeRecording::plaza(log, 1, &RangingStart::default())?)?,
+        Format::LandmarkCourse | Format::KfSlamDemo | Format::VictoriaPark => {
+            let source = open_landmarks(log, format, Identities::Known, [0.0; 3])?;
+            beacons(source, ["pose", "landmarks", "distances and directions"])?
+        }
         Format::Carmen => entries(&CarmenLog::open(log)?.laser_log()?),
         Format::Wean => entries(&WeanLog::open(log)?.laser_log()?),
     };
@@ -201,13 +206,20 @@ fn mrclam(log: &Path) -> anyhow::Result<Found> {
 }
 
 /// The events of a recording of ranges.
-fn ranges(mut source: RangeRecording) -> anyhow::Result<Found> {
+fn ranges(source: RangeRecording) -> anyhow::Result<Found> {
+    beacons(source, ["velocity", "ranges", "range to a beacon"])
+}
+
+/// A recording of odometry and of what was measured of beacons or landmarks; their types, and the
+/// name of the latter.
+fn beacons(mut source: impl Source, names: [&'static str; 3]) -> anyhow::Result<Found> {
+    let [odometry, topic, measured] = names;
     let mut counter = Counter::default();
     let heading = source.truth_has_heading();
     while let Some(event) = source.next_event()? {
         let (topic, kind) = match &event.payload {
-            Payload::Control(_) => ("odometry", "velocity"),
-            Payload::Measurement(_) => ("ranges", "range to a beacon"),
+            Payload::Control(_) => ("odometry", odometry),
+            Payload::Measurement(_) => (topic, measured),
             Payload::Truth(_) if heading => ("truth", "pose"),
             Payload::Truth(_) => ("truth", "position"),
         };

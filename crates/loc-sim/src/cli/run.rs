@@ -49,7 +49,9 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     };
     if let Some(threads) = global.threads {
         let filter = scenario.filter.get_or_insert_default();
-        (filter.mcl.threads, filter.landmark_mcl.threads) = (threads, Some(threads));
+        filter.mcl.threads = threads;
+        filter.landmark_mcl.threads = Some(threads);
+        filter.fastslam.threads = Some(threads);
     }
     let seed = args.seed.unwrap_or(scenario.seed);
     if let Some(illustration) = scenario.illustrate(seed)? {

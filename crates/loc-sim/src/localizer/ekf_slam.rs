@@ -28,16 +28,6 @@ impl EkfSlamMethod {
             driven: DrivenVelocity::default(),
         })
     }
-
-    fn judge(&self, pose: Pose2, outcome: &SlamOutcome, sighting: &Sighting) -> Judgement {
-        Judgement {
-            accepted: outcome.accepted(),
-            nis: outcome.nis(),
-            degrees_of_freedom: outcome.degrees_of_freedom(),
-            whitened: whitened(outcome),
-            seen_at: seen_at(pose * self.mounting, sighting),
-        }
-    }
 }
 
 impl Localizer for EkfSlamMethod {
@@ -58,9 +48,9 @@ impl Localizer for EkfSlamMethod {
             }
             Err(error) => return Err(error.into()),
         };
-        let pose = self.localizer.estimate(stamp)?.pose();
+        let camera = self.localizer.estimate(stamp)?.pose() * self.mounting;
         let pairs = outcomes.iter().zip(sightings);
-        Ok(pairs.map(|(outcome, sighting)| self.judge(pose, outcome, sighting)).collect())
+        Ok(pairs.map(|(outcome, sighting)| judge(camera, outcome, sighting)).collect())
     }
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {
@@ -70,6 +60,17 @@ impl Localizer for EkfSlamMethod {
     fn map(&self) -> Result<Option<EstimatedMap>> {
         let landmarks = self.localizer.landmarks()?;
         Ok(Some(EstimatedMap { numbered: self.numbered, landmarks }))
+    }
+}
+
+/// What became of a sighting from a camera's pose.
+pub(super) fn judge(camera: Pose2, outcome: &SlamOutcome, sighting: &Sighting) -> Judgement {
+    Judgement {
+        accepted: outcome.accepted(),
+        nis: outcome.nis(),
+        degrees_of_freedom: outcome.degrees_of_freedom(),
+        whitened: whitened(outcome),
+        seen_at: seen_at(camera, sighting),
     }
 }
 

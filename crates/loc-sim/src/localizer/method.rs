@@ -4,6 +4,7 @@ use super::Localizer;
 use super::dead_reckoning::DeadReckoning;
 use super::ekf::Ekf;
 use super::ekf_slam::EkfSlamMethod;
+use super::fastslam::FastSlamMethod;
 use super::fusion::Fusion;
 use super::histogram::Histogram;
 use super::kf_slam::KfSlamMethod;
@@ -21,7 +22,7 @@ use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
 use loc_filters::slam::SlamSettings;
 use loc_pf::sensor::landmark::SightModel;
-use loc_pf::{LandmarkMclSettings, MclSettings};
+use loc_pf::{FastSlamSettings, LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
 
 /// A method that a run can use.
@@ -48,6 +49,8 @@ pub enum Method {
     KfSlam,
     /// The extended Kalman filter over robot and landmarks (I2 to I4).
     EkfSlam,
+    /// Particles that each draw a map of their own: FastSLAM 2.0 (I2 to I4).
+    FastSlam,
 }
 
 /// What the methods are told about the robot and its sensors.
@@ -72,6 +75,8 @@ pub struct MethodSettings {
     pub fusion: FusionSettings,
     /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
     pub slam: SlamSettings,
+    /// For `fastslam`; what it shares with `ekf-slam`, it takes from there.
+    pub fastslam: FastSlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
     /// Whether the estimates of Kalman filters are smoothed after the run, beside those that they
@@ -158,11 +163,35 @@ impl MethodSettings {
             ..self.slam
         }
     }
+
+    /// Settings of `fastslam`, with what all methods among landmarks are told.
+    pub fn fastslam(&self) -> FastSlamSettings {
+        let SlamSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            identities,
+            map,
+            ..
+        } = self.slam();
+        FastSlamSettings {
+            integration,
+            motion_noise,
+            sight_noise,
+            mounting,
+            gate_probability,
+            identities,
+            map,
+            ..self.fastslam
+        }
+    }
 }
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 10] = [
+    pub const ALL: [Method; 11] = [
         Method::DeadReckoning,
         Method::Lateration,
         Method::Kf,
@@ -173,6 +202,7 @@ impl Method {
         Method::Mcl,
         Method::KfSlam,
         Method::EkfSlam,
+        Method::FastSlam,
     ];
 
     /// The name, as the command line has it.
@@ -188,6 +218,7 @@ impl Method {
             Method::Histogram => "histogram",
             Method::KfSlam => "kf-slam",
             Method::EkfSlam => "ekf-slam",
+            Method::FastSlam => "fastslam",
         }
     }
 
@@ -198,7 +229,7 @@ impl Method {
 
     /// Whether it draws random numbers, so that its seed matters.
     pub fn draws(self) -> bool {
-        self == Method::Mcl
+        matches!(self, Method::Mcl | Method::FastSlam)
     }
 
     /// Whether its estimates can be smoothed after the run.
@@ -230,6 +261,7 @@ impl Method {
             Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
             Method::KfSlam => Box::new(KfSlamMethod::new(setup, settings)?),
             Method::EkfSlam => Box::new(EkfSlamMethod::new(setup, settings)?),
+            Method::FastSlam => Box::new(FastSlamMethod::new(setup, settings)?),
         })
     }
 }

@@ -8,6 +8,7 @@ mod driven;
 mod ekf;
 mod ekf_slam;
 mod estimated_map;
+mod fastslam;
 mod fusion;
 mod histogram;
 mod kf_slam;

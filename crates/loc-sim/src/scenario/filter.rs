@@ -1,6 +1,6 @@
 //! What the filters are told, in the units of configuration files.
 
-use super::{FusionConfig, LandmarkMclConfig, LaterationConfig, SlamConfig};
+use super::{FastSlamConfig, FusionConfig, LandmarkMclConfig, LaterationConfig, SlamConfig};
 use crate::Result;
 use crate::localizer::MethodSettings;
 use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
@@ -40,6 +40,8 @@ pub struct FilterConfig {
     pub fusion: FusionConfig,
     /// What SLAM is told beside.
     pub slam: SlamConfig,
+    /// What FastSLAM is told beside, and beside what SLAM is told.
+    pub fastslam: FastSlamConfig,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
     /// Whether the estimates of Kalman filters are smoothed after the run as well.
@@ -65,6 +67,7 @@ impl FilterConfig {
             line_matching,
             fusion: self.fusion.settings()?,
             slam: self.slam.settings()?,
+            fastslam: self.fastslam.settings()?,
             global: self.global,
             smooth: self.smooth,
             ..MethodSettings::default()

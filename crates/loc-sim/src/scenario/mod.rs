@@ -12,6 +12,7 @@
 //! ```
 
 pub mod builtin;
+mod fastslam;
 mod filter;
 mod fusion;
 pub mod ids;
@@ -22,6 +23,7 @@ mod sensor;
 mod shorthand;
 mod slam;
 
+pub use fastslam::FastSlamConfig;
 pub use filter::FilterConfig;
 pub use fusion::FusionConfig;
 pub use landmark_mcl::LandmarkMclConfig;

@@ -20,6 +20,19 @@ pub const LASER: &str = include_str!("../../recordings/laser.toml");
 /// The settings that recordings of ranges are replayed with, as TOML.
 pub const RANGING: &str = include_str!("../../recordings/ranging.toml");
 
+/// The settings that the landmark course is replayed with, as TOML.
+pub const LANDMARK_COURSE: &str = include_str!("../../recordings/landmark-course.toml");
+
+/// The settings that MRPT's demonstration of SLAM is replayed with, as TOML.
+pub const KF_SLAM_DEMO: &str = include_str!("../../recordings/kf-slam-demo.toml");
+
+/// The settings that Victoria Park is replayed with, as TOML: trees with numbers.
+pub const VICTORIA_PARK: &str = include_str!("../../recordings/victoria-park.toml");
+
+/// The same for whatever looked like a trunk, without numbers.
+pub const VICTORIA_PARK_DETECTIONS: &str =
+    include_str!("../../recordings/victoria-park-detections.toml");
+
 /// What a replay knows about the robot beside its log.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]

@@ -24,6 +24,10 @@ pub struct SlamConfig {
     pub merge_ratio: Option<f64>,
     /// The most landmarks in the map.
     pub most_landmarks: Option<usize>,
+    /// The score from which on a landmark is no longer provisional: 1 for one sighting.
+    pub confirm_score: Option<f64>,
+    /// What a sighting that contradicts a landmark takes from its score.
+    pub contradiction_cost: Option<f64>,
     /// Works on the landmarks within this radius at a time.
     pub submap_radius_m: Option<f64>,
 }
@@ -42,6 +46,8 @@ impl SlamConfig {
         put(&mut settings.association.gate_probability, self.association_probability);
         put(&mut settings.association.least_ratio, self.least_ratio);
         put(&mut settings.map.merge_ratio, self.merge_ratio);
+        put(&mut settings.map.confirm_score, self.confirm_score);
+        put(&mut settings.map.contradiction_cost, self.contradiction_cost);
         settings.map.most_landmarks = self.most_landmarks.unwrap_or(settings.map.most_landmarks);
         settings.submap_radius = self.submap_radius_m;
         settings.check()?;

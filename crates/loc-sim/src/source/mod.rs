@@ -5,6 +5,7 @@
 mod calibrated;
 pub mod carmen;
 pub mod drive;
+pub mod landmarks;
 pub mod laser_log;
 pub mod mrclam;
 mod noise;
@@ -19,6 +20,7 @@ pub mod wean;
 
 pub use calibrated::Calibrated;
 pub use drive::SimulatedDrive;
+pub use landmarks::LandmarkRecording;
 pub use laser_log::LaserRecording;
 pub use mrclam::Mrclam;
 pub use noise::{OdometryNoiseConfig, SightNoiseConfig};

@@ -166,7 +166,7 @@ fn mistakes_are_told_in_one_line_and_leave_nothing() {
         (&["replay", "nowhere"], "error: nowhere: No such file or directory (os error 2)\n"),
         (
             &["replay", "."],
-            "error: .: expected a recording: a bag of ROS, an MCAP file, a folder with Barcodes.dat (mrclam), a file *_Input.txt (uwb-labyrinth) or plaza1_ranges.csv (plaza), a log of ODOM and FLASER lines (carmen), or of O and L lines (wean), got a folder without any of these\n",
+            "error: .: expected a recording: a bag of ROS, an MCAP file, a folder with Barcodes.dat (mrclam), a file *_Input.txt (uwb-labyrinth), plaza1_ranges.csv (plaza), sensor_data.dat (landmark-course), *_bearing_range.csv (kf-slam-demo) or gtsam_landmark_obs.csv (victoria-park), a log of ODOM and FLASER lines (carmen), or of O and L lines (wean), got a folder without any of these\n",
         ),
         (
             &["run", "circle-drive", "--out", "file"],

@@ -37,6 +37,7 @@ mod ros;
 mod scenarios;
 mod sense;
 mod slam;
+mod slam_recordings;
 mod smoothing;
 mod study;
 mod switches;

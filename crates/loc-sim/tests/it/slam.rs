@@ -48,6 +48,30 @@ fn unnumbered_landmarks_are_found_once() {
     assert!(right >= 4, "{right} of 4");
 }
 
+#[test]
+fn particles_draw_the_map_too() {
+    for (name, count, rmse, ate) in [("slam-landmarks", 10, 0.2, 0.6), ("slam-loop", 60, 0.5, 1.8)]
+    {
+        for seed in 1..=3 {
+            let (map, off) = drive(name, seed, Method::FastSlam);
+            assert!(map.found.unwrap() >= count - 1 && map.extra == Some(0), "{name} {map:?}");
+            assert!(map.rmse_m.unwrap() < rmse && off < ate, "{name} {seed}: {map:?} {off}");
+        }
+    }
+}
+
+/// Each particle decides for itself which landmark it sees; those that were wrong die out. With
+/// 200 of them the loop is closed on 12 of 20 drives.
+#[test]
+fn particles_close_a_loop_without_numbers() {
+    let mut right = 0;
+    for seed in 5..=8 {
+        let (map, off) = drive("slam-unnumbered", seed, Method::FastSlam);
+        right += usize::from(map.found.unwrap() >= 55 && map.extra.unwrap() <= 3 && off < 1.5);
+    }
+    assert!(right >= 2, "{right} of 4");
+}
+
 /// The method sees landmarks, but is told of none: without a map in its hands it does the same.
 #[test]
 fn slam_is_not_told_the_landmarks() {

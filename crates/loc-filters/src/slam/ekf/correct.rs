@@ -163,7 +163,11 @@ impl EkfSlam {
 
     fn credit(&mut self, id: u32, accepted: bool) {
         if let Some(&landmark) = self.numbers.get(&id) {
-            if accepted { self.praise(landmark) } else { self.blame(landmark, 1.0) }
+            if accepted {
+                self.praise(landmark);
+            } else {
+                self.blame(landmark, self.settings.map.contradiction_cost);
+            }
         }
     }
 

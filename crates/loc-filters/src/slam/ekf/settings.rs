@@ -42,9 +42,12 @@ pub struct MapSettings {
     /// numbers.
     pub most_landmarks: usize,
     /// A landmark is provisional until its score has come to this. It begins with 1, a sighting
-    /// adds 1, one that contradicts it takes 1 away; a landmark whose score is no longer above 0
+    /// adds 1, one that contradicts it takes its cost away; a landmark whose score is no longer above 0
     /// is removed.
     pub confirm_score: f64,
+    /// What is taken from the score by a sighting that contradicts the landmark; 0 where numbers
+    /// are never misread, so that no numbered landmark is removed.
+    pub contradiction_cost: f64,
     /// The score grows no further than this.
     pub most_score: f64,
     /// What is taken from the score when a landmark in the middle of the view is not seen. Without
@@ -63,6 +66,7 @@ impl Default for MapSettings {
         MapSettings {
             most_landmarks: 3000,
             confirm_score: 3.0,
+            contradiction_cost: 1.0,
             most_score: 10.0,
             miss_cost: 0.2,
             merge_ratio: 100.0,
@@ -140,6 +144,7 @@ impl SlamSettings {
         )?;
         positive("score that confirms a landmark", map.confirm_score)?;
         non_negative("cost of not seeing a landmark", map.miss_cost)?;
+        non_negative("cost of contradicting a landmark", map.contradiction_cost)?;
         self.submap_radius.map_or(Ok(0.0), |radius| positive("radius of a submap [m]", radius))?;
         self.new_landmark_gate()?;
         Gate::probability(self.gate_probability)?;

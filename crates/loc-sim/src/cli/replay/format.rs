@@ -1,5 +1,6 @@
 //! The formats of recordings, and how they are told apart.
 
+use crate::source::landmarks::{course, kf_slam_demo, victoria_park};
 use crate::source::ranging::{labyrinth, plaza};
 use crate::source::{laser_log, mrclam, ros};
 use crate::{Error, Result};
@@ -16,6 +17,12 @@ pub enum Format {
     UwbLabyrinth,
     /// A folder of the Plaza recordings: radio ranges and odometry.
     Plaza,
+    /// A folder of the Freiburg landmark course.
+    LandmarkCourse,
+    /// MRPT's demonstration of SLAM as text: its folder, or its file of sightings.
+    KfSlamDemo,
+    /// A folder of Victoria Park.
+    VictoriaPark,
     /// A CARMEN log.
     Carmen,
     /// A log of CMU's Wean Hall.
@@ -49,6 +56,15 @@ pub(in crate::cli) fn guess(log: &Path) -> Result<Format> {
     if plaza::is_plaza(log) {
         return Ok(Format::Plaza);
     }
+    if course::is_course(log) {
+        return Ok(Format::LandmarkCourse);
+    }
+    if victoria_park::is_victoria_park(log) {
+        return Ok(Format::VictoriaPark);
+    }
+    if kf_slam_demo::is_kf_slam_demo(log) {
+        return Ok(Format::KfSlamDemo);
+    }
     if ros::is_bag(log)? {
         return Ok(Format::Ros);
     }
@@ -72,8 +88,10 @@ fn unknown(log: &Path, found: &str) -> Error {
     Error::Recording {
         path: log.to_owned(),
         expected: "a recording: a bag of ROS, an MCAP file, a folder with Barcodes.dat (mrclam), \
-                   a file *_Input.txt (uwb-labyrinth) or plaza1_ranges.csv (plaza), a log of ODOM \
-                   and FLASER lines (carmen), or of O and L lines (wean)"
+                   a file *_Input.txt (uwb-labyrinth), plaza1_ranges.csv (plaza), sensor_data.dat \
+                   (landmark-course), *_bearing_range.csv (kf-slam-demo) or \
+                   gtsam_landmark_obs.csv (victoria-park), a log of ODOM and FLASER lines \
+                   (carmen), or of O and L lines (wean)"
             .into(),
         found: found.into(),
     }

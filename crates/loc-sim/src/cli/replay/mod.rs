@@ -1,12 +1,14 @@
 //! `loc-sim replay`: a recording.
 
 mod format;
+mod landmarks;
 mod laser;
 mod mrclam;
 mod ranging;
 mod ros;
 
 pub(super) use format::guess;
+pub(super) use landmarks::open as open_landmarks;
 
 pub use format::Format;
 pub use ros::RosArgs;
@@ -27,9 +29,9 @@ use std::path::PathBuf;
 /// Localize the robot of a recording.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ReplayArgs {
-    /// The recording: a bag of ROS 1 or 2, an MCAP file, a folder of MRCLAM files or of ranges
-    /// (UWB labyrinth, Plaza), a CARMEN log,
-    /// or one of Wean Hall.
+    /// The recording: a bag of ROS 1 or 2, an MCAP file, a folder of MRCLAM files, of ranges (UWB
+    /// labyrinth, Plaza) or of landmarks (landmark course, MRPT's kf-slam demo, Victoria Park), a
+    /// CARMEN log, or one of Wean Hall.
     #[arg(value_name = "LOG", required_unless_present = "print_config")]
     pub log: Option<PathBuf>,
     /// The format of the recording; found by its contents where left out.
@@ -105,6 +107,9 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let mut replay = match format {
         Format::Mrclam => mrclam::prepare(args, log)?,
         Format::UwbLabyrinth | Format::Plaza => ranging::prepare(args, log, format)?,
+        Format::LandmarkCourse | Format::KfSlamDemo | Format::VictoriaPark => {
+            landmarks::prepare(args, log, format)?
+        }
         Format::Carmen | Format::Wean | Format::Ros => laser::prepare(args, log, format)?,
     };
     replay.settings.seed = args.seed.unwrap_or(replay.settings.seed);
@@ -112,6 +117,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     if let Some(threads) = global.threads {
         replay.settings.mcl.threads = threads;
         replay.settings.landmark_mcl.threads = threads;
+        replay.settings.fastslam.threads = threads;
     }
     let methods = match args.output.methods.as_slice() {
         [] => replay.methods.as_slice(),
@@ -142,9 +148,13 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
 
 fn print_config(args: &ReplayArgs) -> anyhow::Result<()> {
     let guessed = args.log.as_deref().map(format::guess).transpose()?;
-    let text = match args.format.or(guessed).unwrap_or(Format::Mrclam) {
+    let format = args.format.or(guessed).unwrap_or(Format::Mrclam);
+    let text = match format {
         Format::Mrclam => recording::MRCLAM,
         Format::UwbLabyrinth | Format::Plaza => recording::RANGING,
+        Format::LandmarkCourse | Format::KfSlamDemo | Format::VictoriaPark => {
+            landmarks::defaults(format)
+        }
         Format::Carmen | Format::Wean | Format::Ros => recording::LASER,
     };
     super::print(text.trim_end())

@@ -5,7 +5,7 @@ use loc_core::table::Row;
 use std::path::Path;
 
 /// A number of something, also where a program wrote it with decimals: `6.000000`.
-pub(super) fn whole(row: &Row<'_>, column: &str) -> Result<u32> {
+pub(in crate::source) fn whole(row: &Row<'_>, column: &str) -> Result<u32> {
     let value = row.number(column)?;
     if value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX) {
         // A whole number in range.
@@ -15,7 +15,7 @@ pub(super) fn whole(row: &Row<'_>, column: &str) -> Result<u32> {
 }
 
 /// A distance.
-pub(super) fn distance(row: &Row<'_>, column: &str) -> Result<f64> {
+pub(in crate::source) fn distance(row: &Row<'_>, column: &str) -> Result<f64> {
     let value = row.number(column)?;
     if value >= 0.0 {
         return Ok(value);
@@ -24,7 +24,7 @@ pub(super) fn distance(row: &Row<'_>, column: &str) -> Result<f64> {
 }
 
 /// A stamp that must not be before that of the row above.
-pub(super) fn stamp_after(row: &Row<'_>, column: &str, last: &mut f64) -> Result<f64> {
+pub(in crate::source) fn stamp_after(row: &Row<'_>, column: &str, last: &mut f64) -> Result<f64> {
     let stamp = row.number(column)?;
     if stamp < *last {
         let expected = format!("a time not before {last}, that of the line above");
@@ -35,7 +35,7 @@ pub(super) fn stamp_after(row: &Row<'_>, column: &str, last: &mut f64) -> Result
 }
 
 /// Refuses a file without data.
-pub(super) fn not_empty(empty: bool, file: &Path, what: &'static str) -> Result<()> {
+pub(in crate::source) fn not_empty(empty: bool, file: &Path, what: &'static str) -> Result<()> {
     if empty {
         return Err(loc_core::Error::Empty { file: file.to_owned(), what }.into());
     }

@@ -1,6 +1,6 @@
 //! Recordings of a robot that measures distances to beacons: radio ranging and odometry.
 
-mod columns;
+pub(super) mod columns;
 pub mod labyrinth;
 pub mod plaza;
 

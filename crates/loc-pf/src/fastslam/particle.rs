@@ -1,0 +1,253 @@
+//! One particle: a way that the robot may have come, with the map that goes with it.
+
+use super::FastSlamSettings;
+use super::look::{Look, Place};
+use super::map::MarkMap;
+use super::mark::Mark;
+use super::pairs::Pairs;
+use super::view::View;
+use loc_core::{Gaussian, Pose2, angle};
+use loc_filters::association::Associator;
+use loc_filters::slam::{Identities, SlamOutcome, SlamVerdict};
+use loc_filters::{Gate, Result};
+use loc_sensors::landmark_camera::Sighting;
+use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeMap;
+
+/// What a sighting is until something better is known of it.
+const UNPLACEABLE: SlamOutcome = SlamOutcome { landmark: None, verdict: SlamVerdict::Unplaceable };
+
+/// A pose with what odometry leaves open since it was drawn last, and a map.
+#[derive(Debug, Clone)]
+pub(super) struct Particle {
+    pub(super) belief: Gaussian<3>,
+    pub(super) map: MarkMap,
+    /// The number that the next landmark gets, where they have none of their own.
+    pub(super) next_number: u32,
+}
+
+/// What all particles share at one moment.
+pub(super) struct Knowledge<'a> {
+    pub(super) settings: &'a FastSlamSettings,
+    pub(super) gate: Gate,
+    pub(super) new_landmark_gate: f64,
+    pub(super) associator: &'a Associator,
+    pub(super) view: View,
+    /// Slot of each number that is read off landmarks.
+    pub(super) numbers: &'a BTreeMap<u32, usize>,
+    /// Counts the calls with sightings.
+    pub(super) moment: u64,
+    /// Counts motions and corrections, for errors.
+    pub(super) step: u64,
+}
+
+/// What a particle made of the sightings of a moment.
+#[derive(Debug, Default)]
+pub(super) struct Report {
+    pub(super) log_likelihood: f64,
+    pub(super) outcomes: Vec<SlamOutcome>,
+}
+
+/// What a sighting turned out to be, before the pose is drawn.
+#[derive(Debug, Clone, Copy)]
+enum Fate {
+    /// Of the landmark in this slot.
+    Of(usize),
+    New,
+    Nothing,
+}
+
+impl Particle {
+    pub(super) fn new(start: Gaussian<3>) -> Self {
+        Particle { belief: start, map: MarkMap::default(), next_number: 0 }
+    }
+
+    pub(super) fn pose(&self) -> Pose2 {
+        Pose2::from_vector(&self.belief.mean)
+    }
+
+    /// Takes in a group of sightings: finds their landmarks, draws a pose that suits both odometry
+    /// and sightings, and corrects each landmark from there.
+    pub(super) fn take_in(
+        &mut self,
+        knowledge: &Knowledge<'_>,
+        group: &[Sighting],
+        normals: &Vector3<f64>,
+    ) -> Result<Report> {
+        let mut report = Report { log_likelihood: 0.0, outcomes: vec![UNPLACEABLE; group.len()] };
+        let fates = self.recognize(knowledge, group, &mut report)?;
+        for ((fate, seen), outcome) in fates.iter().zip(group).zip(&mut report.outcomes) {
+            if let Fate::Of(slot) = fate {
+                *outcome = self.propose(knowledge, *slot, seen, &mut report.log_likelihood)?;
+            }
+        }
+        self.draw(normals);
+        for ((fate, seen), outcome) in fates.iter().zip(group).zip(&mut report.outcomes) {
+            match fate {
+                Fate::Of(slot) => self.learn(knowledge, *slot, seen, outcome.accepted())?,
+                Fate::New => *outcome = self.welcome(knowledge, seen)?,
+                Fate::Nothing => {}
+            }
+        }
+        Ok(report)
+    }
+
+    fn recognize(
+        &self,
+        knowledge: &Knowledge<'_>,
+        group: &[Sighting],
+        report: &mut Report,
+    ) -> Result<Vec<Fate>> {
+        if knowledge.settings.identities == Identities::Known {
+            let fate = |seen: &Sighting| {
+                let slot = knowledge.numbers.get(&seen.landmark);
+                slot.filter(|slot| self.map.get(**slot).is_some())
+                    .map_or(Fate::New, |&s| Fate::Of(s))
+            };
+            return Ok(group.iter().map(fate).collect());
+        }
+        let place = |seen: &Sighting| Place::new(knowledge.settings, self.pose(), seen.sight);
+        let places: Vec<Option<Place>> = group.iter().map(place).collect();
+        let placed: Vec<Place> = places.iter().flatten().copied().collect();
+        let pairs = Pairs::new(knowledge, self, &placed);
+        let association = knowledge.associator.associate(&pairs)?;
+        let mut fates = vec![Fate::Nothing; group.len()];
+        let indices = (0..group.len()).filter(|&k| places[k].is_some());
+        for (sighting, k) in indices.enumerate() {
+            let nis = association.nearest[sighting];
+            fates[k] = match association.partners[sighting] {
+                Some(landmark) => Fate::Of(pairs.slot(landmark)),
+                None if nis > knowledge.new_landmark_gate => Fate::New,
+                None => {
+                    report.outcomes[k].verdict = SlamVerdict::Ambiguous(nis);
+                    Fate::Nothing
+                }
+            };
+            if !matches!(fates[k], Fate::Of(_)) {
+                // It was seen, and this particle knows of nothing there.
+                let density = knowledge.view.density(placed[sighting].range);
+                report.log_likelihood += (knowledge.settings.new_share * density).ln();
+            }
+        }
+        Ok(fates)
+    }
+
+    /// Takes a sighting into the distribution that the pose will be drawn from, which is what sets
+    /// FastSLAM 2.0 apart: `K = P G_s^T L^-1`, `L = G_s P G_s^T + G_m S G_m^T + R`.
+    fn propose(
+        &mut self,
+        knowledge: &Knowledge<'_>,
+        slot: usize,
+        seen: &Sighting,
+        log_likelihood: &mut f64,
+    ) -> Result<SlamOutcome> {
+        let Some(mark) = self.map.get(slot) else { return Ok(UNPLACEABLE) };
+        let look =
+            Look::new(knowledge.settings, &self.belief.mean, &mark.position.mean, seen.sight);
+        let (id, p) = (mark.id, self.belief.covariance);
+        let without_robot = look.apart_from_robot(&mark.position.covariance);
+        let covariance = look.by_robot * p * look.by_robot.transpose() + without_robot;
+        let judged = look.judge(covariance, &knowledge.gate, knowledge.step)?;
+        *log_likelihood += judged.log_likelihood;
+        if let Some(gain) = look.gain(&self.belief, &covariance).filter(|_| judged.accepted) {
+            self.belief.mean += gain * look.residual;
+            let rest = Matrix3::identity() - gain * look.by_robot;
+            let corrected = rest * p * rest.transpose() + gain * without_robot * gain.transpose();
+            self.belief.covariance = 0.5 * (corrected + corrected.transpose());
+        }
+        Ok(SlamOutcome { landmark: Some(id), verdict: judged.verdict })
+    }
+
+    /// Draws the pose; from now on the particle takes it for certain.
+    pub(super) fn draw(&mut self, normals: &Vector3<f64>) {
+        let mut mean = self.belief.mean + self.belief.factor() * normals;
+        mean.z = angle::wrap(mean.z);
+        self.belief = Gaussian::certain(mean);
+    }
+
+    /// Corrects a landmark from the pose that was drawn.
+    fn learn(
+        &mut self,
+        knowledge: &Knowledge<'_>,
+        slot: usize,
+        seen: &Sighting,
+        accepted: bool,
+    ) -> Result<()> {
+        let pose = self.belief.mean;
+        let Some(mark) = self.map.get_mut(slot) else { return Ok(()) };
+        if accepted {
+            let look = Look::new(knowledge.settings, &pose, &mark.position.mean, seen.sight);
+            let covariance = look.apart_from_robot(&mark.position.covariance);
+            look.judge(covariance, &Gate::OPEN, knowledge.step)?;
+            mark.correct(&look, &covariance);
+            mark.praise(knowledge.moment, &knowledge.settings.map);
+        } else {
+            mark.blame(knowledge.settings.map.contradiction_cost);
+            if mark.is_false() {
+                self.map.remove(slot);
+            }
+        }
+        Ok(())
+    }
+
+    /// A sighting of something that was not in the map when its group began.
+    fn welcome(&mut self, knowledge: &Knowledge<'_>, seen: &Sighting) -> Result<SlamOutcome> {
+        let settings = knowledge.settings;
+        let Some(place) = Place::new(settings, self.pose(), seen.sight) else {
+            return Ok(UNPLACEABLE);
+        };
+        let full = SlamOutcome { landmark: None, verdict: SlamVerdict::MapFull };
+        if settings.identities == Identities::Unknown {
+            if self.map.len() >= settings.map.most_landmarks {
+                return Ok(full);
+            }
+            let id = self.next_number;
+            self.next_number = id.wrapping_add(1);
+            self.map.push(Mark::born(id, &place, knowledge.moment, &settings.map));
+            return Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Born });
+        }
+        let id = seen.landmark;
+        let Some(&slot) = knowledge.numbers.get(&id) else { return Ok(full) };
+        if self.map.get(slot).is_some() {
+            // It was born a moment ago, by another sighting of the same group.
+            let mut unused = 0.0;
+            let outcome = self.propose(knowledge, slot, seen, &mut unused)?;
+            self.learn(knowledge, slot, seen, outcome.accepted())?;
+            return Ok(outcome);
+        }
+        self.map.put(slot, Mark::born(id, &place, knowledge.moment, &settings.map));
+        Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Born })
+    }
+
+    /// Blames landmarks that should have been seen at this moment and were not, and removes those
+    /// that no longer have anything to speak for them.
+    /// Returns the logarithm of how likely it is that they were not.
+    pub(super) fn tidy(&mut self, knowledge: &Knowledge<'_>) -> f64 {
+        let mut log_likelihood = 0.0;
+        let map = &knowledge.settings.map;
+        let back = (self.pose() * knowledge.settings.mounting).inverse();
+        let mut blamed = Vec::new();
+        self.map.visit(&mut |slot, mark| {
+            let from_camera = back.transform(&mark.position.mean.into());
+            let missed =
+                mark.seen_at != knowledge.moment && knowledge.view.should_see(&from_camera);
+            let forgotten = !mark.confirmed && knowledge.view.has_left(&from_camera);
+            if forgotten {
+                blamed.push((slot, f64::INFINITY));
+            } else if missed {
+                blamed.push((slot, map.miss_cost));
+                log_likelihood +=
+                    if mark.confirmed { knowledge.settings.miss_share.ln() } else { 0.0 };
+            }
+        });
+        for (slot, cost) in blamed {
+            let Some(mark) = self.map.get_mut(slot) else { continue };
+            mark.blame(cost);
+            if mark.is_false() {
+                self.map.remove(slot);
+            }
+        }
+        self.map.tighten();
+        log_likelihood
+    }
+}
