@@ -11,6 +11,7 @@
 
 mod backdrop;
 pub(crate) mod canvas;
+mod comparison;
 pub mod figures;
 mod folder;
 mod illustration;
@@ -24,6 +25,7 @@ mod table;
 mod trajectories;
 
 pub use backdrop::backdrop;
+pub use comparison::comparison;
 pub use folder::Folder;
 pub use illustration::Illustration;
 pub use report::Report;
