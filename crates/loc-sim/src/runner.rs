@@ -19,11 +19,11 @@ pub trait Watcher {
     /// The share of the run that is done, in \[0, 1\], after every estimate.
     fn progress(&mut self, share: f64);
 
-    /// What is known before the first event, and the methods that are to run.
+    /// What is known before the first event, and the names of the methods that are to run.
     ///
     /// # Errors
     /// Whatever ends the run.
-    fn started(&mut self, _setup: &Setup, _methods: &[Method]) -> Result<()> {
+    fn started(&mut self, _setup: &Setup, _methods: &[String]) -> Result<()> {
         Ok(())
     }
 
@@ -52,7 +52,7 @@ impl<A: Watcher, B: Watcher> Watcher for Both<'_, A, B> {
         self.0.progress(share);
     }
 
-    fn started(&mut self, setup: &Setup, methods: &[Method]) -> Result<()> {
+    fn started(&mut self, setup: &Setup, methods: &[String]) -> Result<()> {
         self.0.started(setup, methods)?;
         self.1.as_mut().map_or(Ok(()), |second| second.started(setup, methods))
     }
@@ -107,11 +107,10 @@ pub fn run_watched(
 ) -> Result<Run> {
     let setup = source.setup().clone();
     let mut tape = Tape::of(methods, settings);
-    let mut runners = Vec::with_capacity(methods.len());
-    for &method in methods {
-        runners.push(Runner::new(method, &setup, settings)?);
-    }
-    watcher.started(&setup, methods)?;
+    let mut runners = start(methods, &setup, settings)?;
+    let names: Vec<String> =
+        runners.iter().map(|runner| runner.record.name().into_owned()).collect();
+    watcher.started(&setup, &names)?;
     let samples_at = match source.has_truth() {
         true => is_truth,
         false if setup.has_laser => is_scan,
@@ -153,6 +152,21 @@ pub fn run_watched(
         notes,
         film: None,
     })
+}
+
+/// The methods, and after them those that start a second time without a pose.
+fn start(methods: &[Method], setup: &Setup, settings: &MethodSettings) -> Result<Vec<Runner>> {
+    let mut runners = Vec::with_capacity(methods.len());
+    for &method in methods {
+        runners.push(Runner::new(method, setup, settings, false)?);
+    }
+    if settings.also_global && !settings.global {
+        let untold = MethodSettings { global: true, ..settings.clone() };
+        for &method in methods.iter().filter(|method| method.can_search()) {
+            runners.push(Runner::new(method, setup, &untold, true)?);
+        }
+    }
+    Ok(runners)
 }
 
 fn is_truth(event: &Event) -> bool {
@@ -208,6 +222,7 @@ impl Tape {
             });
             all.push(MethodRecord {
                 method,
+                global: false,
                 smoothed: true,
                 estimates,
                 judgements: judgements.collect(),
@@ -231,10 +246,11 @@ struct Runner {
 }
 
 impl Runner {
-    fn new(method: Method, setup: &Setup, settings: &MethodSettings) -> Result<Self> {
+    fn new(method: Method, setup: &Setup, settings: &MethodSettings, global: bool) -> Result<Self> {
         let localizer = method.start(setup, settings)?;
         let record = MethodRecord {
             method,
+            global,
             smoothed: false,
             estimates: Vec::new(),
             judgements: Vec::new(),

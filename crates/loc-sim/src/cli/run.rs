@@ -78,6 +78,7 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
         name: &scenario.name,
         title: &scenario.title,
         seed: Some(seed),
+        compare: scenario.compare,
         also_in_frame: scenario.also_in_frame.as_deref(),
     };
     show(&finished, &args.output, global)

@@ -39,6 +39,7 @@ pub(super) struct Finished<'a> {
     pub(super) name: &'a str,
     pub(super) title: &'a str,
     pub(super) seed: Option<u64>,
+    pub(super) compare: bool,
     pub(super) also_in_frame: Option<&'a str>,
 }
 
@@ -59,7 +60,9 @@ pub(super) fn show(
     if global.json {
         return super::print(&serde_json::to_string_pretty(&summary)?);
     }
-    super::print(&output::table(&summary))?;
+    let table =
+        if finished.compare { output::comparison } else { |_: &Run, s: &Summary| output::table(s) };
+    super::print(&table(run, &summary))?;
     for line in output::final_beliefs(run, finished.also_in_frame) {
         super::print(&line)?;
     }

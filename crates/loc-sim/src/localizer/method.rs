@@ -56,6 +56,15 @@ pub enum Method {
     FastSlam,
 }
 
+/// What a method needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Needs {
+    /// The sensor beside the odometry.
+    pub sensors: &'static str,
+    /// The kind of map.
+    pub map: &'static str,
+}
+
 /// What the methods are told about the robot and its sensors.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MethodSettings {
@@ -82,6 +91,8 @@ pub struct MethodSettings {
     pub fastslam: FastSlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
+    /// Whether those methods run a second time without being told, beside their run from the start.
+    pub also_global: bool,
     /// Whether the estimates of Kalman filters are smoothed after the run, beside those that they
     /// had during it.
     pub smooth: bool,
@@ -230,6 +241,23 @@ impl Method {
     /// Whether it can find the robot without being told where it starts.
     pub fn can_search(self) -> bool {
         matches!(self, Method::Lateration | Method::Histogram | Method::Mcl)
+    }
+
+    /// What it measures with, beside odometry, on a source; and the map that it needs.
+    pub fn needs(self, setup: &Setup) -> Needs {
+        let lasers = setup.has_laser || setup.landmarks.is_empty();
+        let (sensors, map) = match self {
+            Method::DeadReckoning => ("none", "none"),
+            Method::Kf => ("position", "none"),
+            Method::Lateration => ("ranges", "landmarks"),
+            Method::Fusion => ("several", "landmarks"),
+            Method::Histogram => ("laser", "grid"),
+            Method::Mcl if lasers => ("laser", "grid"),
+            Method::Ekf | Method::Mcl => ("camera", "landmarks"),
+            Method::LineEkf => ("laser", "lines"),
+            Method::KfSlam | Method::EkfSlam | Method::FastSlam => ("camera", "draws its own"),
+        };
+        Needs { sensors, map }
     }
 
     /// Whether it draws random numbers, so that its seed matters.

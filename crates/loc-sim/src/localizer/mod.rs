@@ -25,7 +25,7 @@ mod whitened;
 
 pub use cloud::Cloud;
 pub use estimated_map::EstimatedMap;
-pub use method::{Method, MethodSettings, RailSettings};
+pub use method::{Method, MethodSettings, Needs, RailSettings};
 pub use place_belief::PlaceBelief;
 pub use sensor_error::SensorError;
 pub use whitened::Whitened;

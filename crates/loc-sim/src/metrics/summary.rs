@@ -47,6 +47,8 @@ pub struct MethodSummary {
     /// How long a method that started without a pose needed to find it, see [`found`]; null for
     /// one that was given it, or that never did.
     pub converged_at_s: Option<f64>,
+    /// Root mean square of the distances to the truth from then on; null with `converged_at_s`.
+    pub ate_since_converged_m: Option<f64>,
     /// The same in measurements that it used.
     pub converged_after_updates: Option<usize>,
     /// How long a method needed after a kidnapping; null without one, or if it never recovered.
@@ -99,7 +101,7 @@ impl MethodSummary {
             true => errors,
             false => errors.without_headings(),
         });
-        let searched = run.settings.global && record.method.can_search();
+        let searched = (run.settings.global || record.global) && record.method.can_search();
         let converged = searched.then(|| found(run, record, run.setup.start)).flatten();
         let recovered = run.setup.kidnapped_at.and_then(|at| found(run, record, at));
         let (after, updates) = (|found: Found| found.after, |found: Found| found.updates);
@@ -111,6 +113,7 @@ impl MethodSummary {
             measurements_rejected: record.judgements.len() - used,
             landmarks: landmark_errors(run, record)?,
             converged_at_s: converged.map(after),
+            ate_since_converged_m: converged.and_then(|found| since(run, record, found)),
             converged_after_updates: converged.map(updates),
             recovered_after_s: recovered.map(after),
             recovered_after_updates: recovered.map(updates),
@@ -119,6 +122,14 @@ impl MethodSummary {
             realtime_factor: faster.is_finite().then_some(faster),
         })
     }
+}
+
+/// RMSE from the time at which a method has found the robot.
+fn since(run: &Run, record: &MethodRecord, found: Found) -> Option<f64> {
+    let from = run.setup.start + found.after;
+    let late = record.estimates.iter().zip(&run.truth).filter(|(_, truth)| truth.stamp >= from);
+    let squares = late.map(|(estimate, truth)| estimate.pose.distance(truth.value.pose).powi(2));
+    mean(squares).map(f64::sqrt)
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {

@@ -6,7 +6,7 @@
 
 use crate::Result;
 use crate::event::{Control, Event, Measurement, Payload};
-use crate::localizer::{Estimate, Localizer, Method};
+use crate::localizer::{Estimate, Localizer};
 use crate::odometry::Driven;
 use crate::runner::Watcher;
 use crate::source::Setup;
@@ -28,7 +28,7 @@ const LASER: &str = "laser";
 #[derive(Debug)]
 pub struct McapRecorder {
     writer: McapWriter,
-    methods: Vec<Method>,
+    methods: Vec<String>,
     driven: Driven,
     mounting: Option<Pose2>,
     truth: Path,
@@ -145,7 +145,7 @@ impl McapRecorder {
 impl Watcher for McapRecorder {
     fn progress(&mut self, _share: f64) {}
 
-    fn started(&mut self, setup: &Setup, methods: &[Method]) -> Result<()> {
+    fn started(&mut self, setup: &Setup, methods: &[String]) -> Result<()> {
         self.methods = methods.to_vec();
         let at = Stamp::from_seconds(setup.start);
         if let Some(map) = &setup.map {
@@ -188,9 +188,9 @@ impl Watcher for McapRecorder {
         let primary = primary.unwrap_or(localizers.len().saturating_sub(1));
         for (index, localizer) in localizers.iter().enumerate() {
             let estimate = localizer.estimate(stamp)?;
-            let name = self.methods.get(index).map_or("", |method| method.name());
+            let name = self.methods.get(index).cloned().unwrap_or_default();
             if index == primary {
-                self.primary(at, name, &estimate)?;
+                self.primary(at, &name, &estimate)?;
             } else {
                 let topic = format!("/{}/pose", name.replace('-', "_"));
                 self.writer.write(&topic, at.0, &pose_message(at, &estimate))?;

@@ -10,6 +10,8 @@
 //! ```
 
 mod backdrop;
+pub(crate) mod canvas;
+mod comparison;
 pub mod figures;
 mod folder;
 mod illustration;
@@ -23,6 +25,7 @@ mod table;
 mod trajectories;
 
 pub use backdrop::backdrop;
+pub use comparison::comparison;
 pub use folder::Folder;
 pub use illustration::Illustration;
 pub use report::Report;

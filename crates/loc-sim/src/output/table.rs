@@ -9,19 +9,24 @@ pub(super) const COLUMNS: [&str; 7] =
 
 /// The methods with their errors, at most 80 columns wide, without a line break at its end.
 pub fn table(summary: &Summary) -> String {
-    let mut lines = vec![format!(
-        "{}: {}{:.1} s{}",
-        summary.source,
-        summary.distance_m.map_or(String::new(), |distance| format!("{distance:.1} m in ")),
-        summary.duration_s,
-        summary.seed.map_or(String::new(), |seed| format!(", seed {seed}")),
-    )];
+    let mut lines = vec![heading(summary)];
     let names = COLUMNS.map(|name| format!("{name:>width$}", width = width(name))).concat();
     lines.push(format!("{:<15}{names}", "method"));
     lines.extend(summary.methods.iter().map(|(name, method)| row(name, method)));
     lines.extend(summary.methods.iter().filter_map(|(name, method)| map_line(name, method)));
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n")
+}
+
+/// What was run, in a line.
+pub(super) fn heading(summary: &Summary) -> String {
+    format!(
+        "{}: {}{:.1} s{}",
+        summary.source,
+        summary.distance_m.map_or(String::new(), |distance| format!("{distance:.1} m in ")),
+        summary.duration_s,
+        summary.seed.map_or(String::new(), |seed| format!(", seed {seed}")),
+    )
 }
 
 /// The figures of a method, one for each column.

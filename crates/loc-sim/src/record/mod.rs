@@ -46,6 +46,8 @@ pub struct Run {
 pub struct MethodRecord {
     /// The method.
     pub method: Method,
+    /// Whether it was not told where the robot starts, beside a record of the same method that was.
+    pub global: bool,
     /// Whether these are its estimates after the run, smoothed by all that came later.
     pub smoothed: bool,
     /// Its estimates, one for each stamp of the run.
@@ -70,10 +72,15 @@ pub struct MethodRecord {
 }
 
 impl MethodRecord {
-    /// The method's name, `ekf-smoothed` for what was smoothed.
+    /// The method's name, `ekf-smoothed` for what was smoothed, `mcl-global` for what started
+    /// without a pose beside what did not.
     pub fn name(&self) -> Cow<'static, str> {
         let name = self.method.name();
-        if self.smoothed { format!("{name}-smoothed").into() } else { name.into() }
+        match (self.smoothed, self.global) {
+            (true, _) => format!("{name}-smoothed").into(),
+            (false, true) => format!("{name}-global").into(),
+            (false, false) => name.into(),
+        }
     }
 }
 

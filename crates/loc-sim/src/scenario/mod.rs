@@ -80,6 +80,10 @@ pub struct Scenario {
     pub sensor: Option<SensorConfig>,
     /// Settings of the methods; what is left out follows the simulated sensors.
     pub filter: Option<FilterConfig>,
+    /// Whether the run is to compare the methods: those that can search run a second time without
+    /// a start pose, and the table tells what each of them needs.
+    #[serde(default)]
+    pub compare: bool,
     /// The name of a left-handed frame in which final poses are printed as well: `kurt2`.
     pub also_in_frame: Option<String>,
 }
@@ -238,7 +242,7 @@ impl Scenario {
             (extractor.roughness, extractor.angle_sigma) = (0.0, 0.0);
         }
         let rail = self.rail.as_ref().map(RailConfig::settings).unwrap_or_default();
-        Ok(MethodSettings { rail, seed: self.seed, ..settings })
+        Ok(MethodSettings { rail, seed: self.seed, also_global: self.compare, ..settings })
     }
 
     /// What a scenario shows that needs no method; `None` for one that [`run`](Scenario::run) is

@@ -11,7 +11,8 @@ const KINDS: [&str; 7] =
     ["drive", "rail", "tour", "outdoor", "probability_map", "demonstration", "sensor"];
 
 /// The other sections and keys of a scenario.
-const OTHERS: [&str; 7] = ["name", "title", "ids", "seed", "methods", "filter", "also_in_frame"];
+const OTHERS: [&str; 8] =
+    ["name", "title", "ids", "seed", "methods", "filter", "compare", "also_in_frame"];
 
 /// Short names, with the keys that they stand for.
 pub(crate) const NAMES: [(&str, &[&str]); 4] = [

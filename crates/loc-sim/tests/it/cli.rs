@@ -46,10 +46,17 @@ fn without_arguments_it_runs_the_overview() {
     let summary: Value =
         serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
     let methods = summary["methods"].as_object().unwrap();
-    let mut expected: Vec<String> =
-        ["clouds.svg", "consistency.svg", "errors.svg", "map.svg", "report.html"]
-            .map(str::to_owned)
-            .to_vec();
+    let mut expected: Vec<String> = [
+        "clouds.svg",
+        "consistency.svg",
+        "errors.svg",
+        "histogram.svg",
+        "lines.svg",
+        "map.svg",
+        "report.html",
+    ]
+    .map(str::to_owned)
+    .to_vec();
     expected.extend(["summary.json", "truth.tum"].map(str::to_owned));
     for method in methods.keys() {
         expected.push(format!("covariance_{method}.csv"));
@@ -57,6 +64,13 @@ fn without_arguments_it_runs_the_overview() {
     }
     expected.sort();
     assert_eq!(entries(&out), expected);
+    for method in methods.keys() {
+        let row = table.lines().find(|line| line.split(' ').next() == Some(method)).unwrap();
+        assert!(row.contains(if method.ends_with("-global") { " unknown " } else { " known " }));
+    }
+    let found = &methods["mcl-global"];
+    assert!(found["converged_at_s"].as_f64().unwrap() < 1.0, "{found}");
+    assert!(found["ate_since_converged_m"].as_f64().unwrap() < 0.04, "{found}");
     let ekf = &summary["methods"]["ekf"];
     assert!(ekf["ate_rmse_m"].as_f64().unwrap() < 0.3);
     assert!(methods["mcl"]["ate_rmse_m"].as_f64().unwrap() < 0.04);
@@ -72,7 +86,20 @@ fn without_arguments_it_runs_the_overview() {
 #[test]
 fn files_and_summary_agree() {
     let folder = TempDir::new().unwrap();
-    let json = stdout(&loc_sim(folder.path(), &["run", "overview", "--json", "--out", "o"]));
+    let json = stdout(&loc_sim(
+        folder.path(),
+        &[
+            "run",
+            "overview",
+            "--json",
+            "--out",
+            "o",
+            "--method",
+            "ekf",
+            "--method",
+            "dead-reckoning",
+        ],
+    ));
     let summary: Value = serde_json::from_str(&json).unwrap();
     let read = |name: &str| fs::read_to_string(folder.path().join("o").join(name)).unwrap();
     let stamps = |name: &str| -> Vec<f64> {

@@ -51,7 +51,8 @@ fn the_player_has_the_poses_and_the_particles_of_the_run() {
     let player = player(&html);
     let stamps = numbers(&player["stamps"], f32::from_le_bytes);
     assert_eq!(stamps.len(), run.stamps.len());
-    let (k, record) = (2, &run.methods[2]);
+    let k = run.methods.iter().position(|record| record.name() == "mcl").unwrap();
+    let record = &run.methods[k];
     let method = &player["methods"][k];
     assert_eq!(method["name"], "mcl");
     let x = numbers(&method["track"]["x"], f32::from_le_bytes);

@@ -6,6 +6,7 @@ use loc_sensors::landmark_camera::Sight;
 use loc_sensors::laser::LaserScan;
 use loc_sensors::world::RangeWorld;
 use loc_sim::event::{Control, Event, Measurement, Payload};
+use loc_sim::localizer::Method;
 use loc_sim::metrics::{Alignment, Summary};
 use loc_sim::scenario::Scenario;
 use loc_sim::source::{SimulatedTour, Source};
@@ -301,7 +302,8 @@ fn a_camera_sees_the_landmarks_that_no_wall_hides() {
 #[test]
 fn landmarks_and_the_poses_of_an_odometry_serve_the_ekf() {
     let scenario = Scenario::named("overview", &["tour.duration_s=30.0".into()]).unwrap();
-    let run = scenario.run(Some(3), None, &mut |_| {}).unwrap();
+    let methods = [Method::Ekf, Method::Mcl];
+    let run = scenario.run(Some(3), Some(&methods), &mut |_| {}).unwrap();
     let summary = Summary::of(&run, Some(3), Alignment::None).unwrap();
     let rmse = |name: &str| {
         let (_, method) = summary.methods.iter().find(|(method, _)| method == name).unwrap();

@@ -141,6 +141,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
         name: &name,
         title: &run.setup.name,
         seed: methods.iter().any(|method| method.draws()).then_some(replay.settings.seed),
+        compare: false,
         also_in_frame: None,
     };
     show(&finished, &args.output, global)
