@@ -253,7 +253,7 @@ impl Method {
             Method::Fusion => ("several", "landmarks"),
             Method::Histogram => ("laser", "grid"),
             Method::Mcl if lasers => ("laser", "grid"),
-            Method::Ekf | Method::Mcl => ("camera", "landmarks"),
+            Method::Ekf | Method::Ukf | Method::Mcl => ("camera", "landmarks"),
             Method::LineEkf => ("laser", "lines"),
             Method::KfSlam | Method::EkfSlam | Method::FastSlam => ("camera", "draws its own"),
         };
