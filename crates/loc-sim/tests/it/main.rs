@@ -42,4 +42,5 @@ mod smoothing;
 mod study;
 mod switches;
 mod tour;
+mod ukf;
 mod wean;
