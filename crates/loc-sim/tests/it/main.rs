@@ -43,4 +43,5 @@ mod smoothing;
 mod study;
 mod switches;
 mod tour;
+mod ukf;
 mod wean;
