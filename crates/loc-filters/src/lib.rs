@@ -13,8 +13,10 @@ pub mod lateration;
 pub mod line_matching;
 pub mod slam;
 pub mod smoother;
+pub mod unscented;
 
 pub use error::{Error, Result};
 pub use extended::{ExtendedKalmanFilter, MeasurementModel, MotionModel};
 pub use innovation::{Gate, Innovation};
 pub use kalman::{KalmanFilter, ScalarKalmanFilter};
+pub use unscented::{NonlinearFilter, UnscentedKalmanFilter};

@@ -11,7 +11,7 @@ use loc_core::{Pose2, Twist2};
 /// A drive of some time on an arc (E2), at the speed that accelerometer and state give.
 ///
 /// `v' = v + (a - b_a) T`, the pose moves at the mean of v and v', biases stay, the satellite
-/// receiver's drift forgets itself. What the speed and the turn rate do beside, [`Walked`] adds.
+/// receiver's drift forgets itself. What the speed and the turn rate do beside, `Walked` adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FusedMotion {
     /// How long it lasts \[s\].

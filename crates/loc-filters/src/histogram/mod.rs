@@ -6,9 +6,9 @@
 //! is Bayes' rule, over and over: a motion carries the probabilities along and blurs them
 //! ([`Kernel`]), a measurement multiplies each by how likely it is there.
 //!
-//! The same filter in three sizes: [`DiscreteFilter`] over a handful of named states, such as the
-//! rooms of a house, [`LineGrid`] over a corridor, and the grid over (x, y, heading) of a robot in
-//! a building.
+//! The same filter in four sizes: [`DiscreteFilter`] over a handful of named states,
+//! [`TopologicalFilter`] over the rooms of a building, [`LineGrid`] over a corridor, and
+//! [`GridLocalizer`] over (x, y, heading) in a building.
 //!
 //! ```
 //! use loc_filters::histogram::LineGrid;
@@ -26,8 +26,10 @@ mod discrete;
 mod grid;
 mod kernel;
 mod line;
+mod topological;
 
 pub use discrete::DiscreteFilter;
 pub use grid::{FineSettings, GridLocalizer, GridReport, GridSettings, GridUpdate};
 pub use kernel::Kernel;
 pub use line::LineGrid;
+pub use topological::{PlaceViews, TopologicalFilter};

@@ -3,29 +3,36 @@
 use super::{
     BearingModel, LandmarkSettings, Outcome, RangeBearingModel, RangeModel, VelocityMotion, Verdict,
 };
-use crate::{Error, ExtendedKalmanFilter, Gate, Result};
+use crate::{Error, ExtendedKalmanFilter, Gate, NonlinearFilter, Result, UnscentedKalmanFilter};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::landmark_camera::{Sight, Sighting};
 use nalgebra::{Vector1, Vector2};
 
-/// Extended Kalman filter over (x, y, theta) \[m, m, rad\] with known landmarks.
+/// A Kalman filter over (x, y, theta) \[m, m, rad\] with known landmarks: [`LandmarkEkf`] or
+/// [`LandmarkUkf`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LandmarkEkf {
-    filter: ExtendedKalmanFilter<3>,
+pub struct LandmarkFilter<F> {
+    filter: F,
     settings: LandmarkSettings,
     gate: Gate,
 }
 
-impl LandmarkEkf {
+/// The extended Kalman filter (H2).
+pub type LandmarkEkf = LandmarkFilter<ExtendedKalmanFilter<3>>;
+
+/// The unscented Kalman filter on the same models.
+pub type LandmarkUkf = LandmarkFilter<UnscentedKalmanFilter<3>>;
+
+impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
     /// A filter that starts from a belief over (x, y, theta).
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief or settings that are not valid.
     pub fn new(start: Gaussian<3>, settings: LandmarkSettings) -> Result<Self> {
         let gate = settings.gate()?;
-        let filter = ExtendedKalmanFilter::new(start)?.with_angles(&[2]);
-        Ok(LandmarkEkf { filter, settings, gate })
+        let filter = F::start(start, &[2])?;
+        Ok(LandmarkFilter { filter, settings, gate })
     }
 
     /// What the filter believes now.

@@ -1,8 +1,8 @@
 //! The landmark EKF on the stamps of real sensors.
 
-use super::{LandmarkEkf, LandmarkSettings, Outcome};
-use crate::Result;
+use super::{LandmarkFilter, LandmarkSettings, Outcome};
 use crate::delayed::{DelayedFilter, Step};
+use crate::{ExtendedKalmanFilter, NonlinearFilter, Result};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::landmark_camera::Sighting;
@@ -12,15 +12,17 @@ use std::sync::Arc;
 ///
 /// A velocity holds from its stamp until the next one. Sightings may come between velocities,
 /// several at one stamp, up to the settings' `horizon` late, or not at all.
+///
+/// With the extended Kalman filter, unless another one is named.
 #[derive(Debug, Clone)]
-pub struct LandmarkLocalizer {
-    filter: DelayedFilter<Held>,
+pub struct LandmarkLocalizer<F: NonlinearFilter<3> = ExtendedKalmanFilter<3>> {
+    filter: DelayedFilter<Held<F>>,
 }
 
 /// The filter at the stamp of its last input, with the velocity that it drives on with.
 #[derive(Debug, Clone)]
-struct Held {
-    ekf: LandmarkEkf,
+struct Held<F> {
+    ekf: LandmarkFilter<F>,
     stamp: f64,
     twist: Twist2,
     map: Arc<LandmarkMap>,
@@ -34,7 +36,7 @@ enum Input {
 }
 
 impl LandmarkLocalizer {
-    /// A localizer that stands still at `stamp` \[s\] with a belief over (x, y, theta).
+    /// A localizer with the extended Kalman filter that stands still at `stamp` \[s\] with a belief over (x, y, theta).
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
@@ -44,8 +46,23 @@ impl LandmarkLocalizer {
         stamp: f64,
         start: Gaussian<3>,
     ) -> Result<Self> {
+        LandmarkLocalizer::with_filter(map, settings, stamp, start)
+    }
+}
+
+impl<F: NonlinearFilter<3>> LandmarkLocalizer<F> {
+    /// A localizer with any filter that stands still at `stamp` \[s\].
+    ///
+    /// # Errors
+    /// As [`LandmarkLocalizer::new`].
+    pub fn with_filter(
+        map: impl Into<Arc<LandmarkMap>>,
+        settings: LandmarkSettings,
+        stamp: f64,
+        start: Gaussian<3>,
+    ) -> Result<Self> {
         let stamp = loc_core::error::finite("start time [s]", stamp)?;
-        let ekf = LandmarkEkf::new(start, settings)?;
+        let ekf = LandmarkFilter::new(start, settings)?;
         let held = Held { ekf, stamp, twist: Twist2::ZERO, map: map.into() };
         Ok(LandmarkLocalizer { filter: DelayedFilter::new(held, settings.horizon)? })
     }
@@ -81,12 +98,12 @@ impl LandmarkLocalizer {
     }
 }
 
-impl Step for Held {
+impl<F: NonlinearFilter<3>> Step for Held<F> {
     type Input = Input;
     type Report = Vec<Outcome>;
 
     fn step(&mut self, stamp: f64, input: &Input) -> Result<Vec<Outcome>> {
-        let mut ekf = self.ekf;
+        let mut ekf = self.ekf.clone();
         // Inputs from before the start belong to the start.
         let dt = (stamp - self.stamp).max(0.0);
         ekf.predict(self.twist, dt)?;

@@ -26,7 +26,7 @@ mod outcome;
 mod settings;
 mod smoother;
 
-pub use ekf::LandmarkEkf;
+pub use ekf::{LandmarkEkf, LandmarkFilter, LandmarkUkf};
 pub use localizer::LandmarkLocalizer;
 pub use models::{BearingModel, RangeBearingModel, RangeModel, VelocityMotion};
 pub use outcome::{Outcome, Verdict};

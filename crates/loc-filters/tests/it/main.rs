@@ -13,3 +13,4 @@ mod lateration;
 mod line_matching;
 mod slam;
 mod smoother;
+mod unscented;

@@ -3,7 +3,8 @@
 //! The lectures explain the particle filter with pictures of its parts: five stages in a corridor
 //! with doors ([`mcl_1d`], M2), and what resampling does to a robot that stands still
 //! ([`diversity`], M11). The Bayes filter without particles is shown by a mailbox with a flag
-//! ([`mailbox`], F5) and by another corridor with doors ([`door_corridor`], K1), lateration
+//! ([`mailbox`], F5) and by another corridor with doors ([`door_corridor`], K1), and over the rooms of a building
+//! ([`topological`], K1), lateration
 //! in four rooms ([`lateration`], D1 to D4). Random numbers ([`sampling`], F2 to F4), maps ([`maps`],
 //! C) and the perceptual model of a laser ([`perceptual_model`], K2) are shown by themselves. A
 //! scenario asks for one of them by `[demonstration] kind = ".."`; the filters in them are those of
@@ -25,6 +26,7 @@ pub mod maps;
 pub mod mcl_1d;
 pub mod perceptual_model;
 pub mod sampling;
+pub mod topological;
 
 pub use diversity::{Diversity, DiversityConfig};
 pub use door_corridor::{DoorCorridor, DoorCorridorConfig};
@@ -34,6 +36,7 @@ pub use maps::{Maps, MapsConfig};
 pub use mcl_1d::{Mcl1d, Mcl1dConfig};
 pub use perceptual_model::PerceptualModelConfig;
 pub use sampling::{Sampling, SamplingConfig};
+pub use topological::{TopologicalConfig, TopologicalTour};
 
 use crate::Result;
 use crate::output::Illustration;
@@ -55,6 +58,8 @@ pub enum DemonstrationConfig {
     Mailbox(MailboxConfig),
     /// Markov localization in one dimension (K1).
     DoorCorridor(DoorCorridorConfig),
+    /// Markov localization over the places of a topological map (K1, C4).
+    Topological(Box<TopologicalConfig>),
     /// Random numbers (F2 to F4).
     Sampling(SamplingConfig),
     /// One world as every kind of map (C).
@@ -75,6 +80,7 @@ impl DemonstrationConfig {
             DemonstrationConfig::Lateration(config) => config.check(),
             DemonstrationConfig::Mailbox(config) => config.check(),
             DemonstrationConfig::DoorCorridor(config) => config.check(),
+            DemonstrationConfig::Topological(config) => config.check(),
             DemonstrationConfig::Sampling(config) => config.check(),
             DemonstrationConfig::Maps(config) => config.check(),
             DemonstrationConfig::PerceptualModel(config) => config.check(),
@@ -99,6 +105,9 @@ impl DemonstrationConfig {
             }
             DemonstrationConfig::DoorCorridor(config) => {
                 DoorCorridor::new(config, seed)?.illustrate(title)
+            }
+            DemonstrationConfig::Topological(config) => {
+                TopologicalTour::new(config, seed)?.illustrate(title)
             }
             DemonstrationConfig::Sampling(config) => Sampling::new(config, seed)?.illustrate(title),
             DemonstrationConfig::Maps(config) => Maps::new(config)?.illustrate(),

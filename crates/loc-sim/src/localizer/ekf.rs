@@ -1,4 +1,4 @@
-//! `ekf`: the extended Kalman filter with landmarks (H2).
+//! `ekf` and `ukf`: the extended (H2) and the unscented Kalman filter with landmarks.
 
 use super::driven::DrivenVelocity;
 use super::{Estimate, Judgement, Localizer, Whitened, seen_at};
@@ -6,27 +6,29 @@ use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
+use loc_filters::NonlinearFilter;
 use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, Outcome, Verdict};
 use loc_sensors::landmark_camera::Sighting;
 
 #[derive(Debug)]
-pub(super) struct Ekf {
-    localizer: LandmarkLocalizer,
+pub(super) struct Ekf<F: NonlinearFilter<3>> {
+    localizer: LandmarkLocalizer<F>,
     mounting: Pose2,
     driven: DrivenVelocity,
 }
 
-impl Ekf {
-    pub(super) fn new(setup: &Setup, settings: LandmarkSettings) -> Result<Self> {
+impl<F: NonlinearFilter<3>> Ekf<F> {
+    pub(super) fn new(method: &str, setup: &Setup, settings: LandmarkSettings) -> Result<Self> {
         if setup.landmarks.is_empty() {
             return Err(Error::Unsuitable {
-                method: "ekf".into(),
+                method: method.into(),
                 expected: "landmarks",
                 source_name: setup.name.clone(),
             });
         }
         let map = setup.landmarks.clone();
-        let localizer = LandmarkLocalizer::new(map, settings, setup.start, setup.start_belief)?;
+        let (start, belief) = (setup.start, setup.start_belief);
+        let localizer = LandmarkLocalizer::with_filter(map, settings, start, belief)?;
         let mounting = settings.mounting;
         Ok(Ekf { localizer, mounting, driven: DrivenVelocity::default() })
     }
@@ -42,7 +44,7 @@ impl Ekf {
     }
 }
 
-impl Localizer for Ekf {
+impl<F: NonlinearFilter<3>> Localizer for Ekf<F> {
     fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
         if let Some((from, twist)) = self.driven.of(stamp, control) {
             self.localizer.velocity(from, twist)?;

@@ -21,6 +21,7 @@ use loc_filters::landmark::LandmarkSettings;
 use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
 use loc_filters::slam::SlamSettings;
+use loc_filters::{ExtendedKalmanFilter, UnscentedKalmanFilter};
 use loc_pf::sensor::landmark::SightModel;
 use loc_pf::{FastSlamSettings, LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
@@ -37,6 +38,8 @@ pub enum Method {
     Kf,
     /// The extended Kalman filter with landmarks (H2).
     Ekf,
+    /// The unscented Kalman filter with landmarks.
+    Ukf,
     /// The extended Kalman filter with the lines of a map (H4).
     LineEkf,
     /// Every sensor there is, in one extended Kalman filter (B, H1).
@@ -202,11 +205,12 @@ impl MethodSettings {
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 11] = [
+    pub const ALL: [Method; 12] = [
         Method::DeadReckoning,
         Method::Lateration,
         Method::Kf,
         Method::Ekf,
+        Method::Ukf,
         Method::LineEkf,
         Method::Fusion,
         Method::Histogram,
@@ -223,6 +227,7 @@ impl Method {
             Method::Lateration => "lateration",
             Method::Kf => "kf",
             Method::Ekf => "ekf",
+            Method::Ukf => "ukf",
             Method::LineEkf => "line-ekf",
             Method::Fusion => "fusion",
             Method::Mcl => "mcl",
@@ -248,7 +253,7 @@ impl Method {
             Method::Fusion => ("camera", "landmarks"),
             Method::Histogram => ("laser", "grid"),
             Method::Mcl if lasers => ("laser", "grid"),
-            Method::Ekf | Method::Mcl => ("camera", "landmarks"),
+            Method::Ekf | Method::Ukf | Method::Mcl => ("camera", "landmarks"),
             Method::LineEkf => ("laser", "lines"),
             Method::KfSlam | Method::EkfSlam | Method::FastSlam => ("camera", "draws its own"),
         };
@@ -278,7 +283,16 @@ impl Method {
             Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings)?),
             Method::Lateration => Box::new(Lateration::new(setup, settings)?),
             Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
-            Method::Ekf => Box::new(Ekf::new(setup, settings.landmark)?),
+            Method::Ekf => Box::new(Ekf::<ExtendedKalmanFilter<3>>::new(
+                self.name(),
+                setup,
+                settings.landmark,
+            )?),
+            Method::Ukf => Box::new(Ekf::<UnscentedKalmanFilter<3>>::new(
+                self.name(),
+                setup,
+                settings.landmark,
+            )?),
             Method::LineEkf => Box::new(LineMatching::new(setup, settings)?),
             Method::Fusion => Box::new(Fusion::new(setup, settings)?),
             // Where both can be had, scans tell more than landmarks.

@@ -10,6 +10,7 @@
 //! ```
 
 mod backdrop;
+pub(crate) mod canvas;
 mod comparison;
 pub mod figures;
 mod folder;

@@ -6,7 +6,7 @@ use crate::{Error, Result};
 pub const DEFAULT: &str = "overview";
 
 /// Name and TOML text of every built-in scenario, in the order in which they are listed.
-pub const ALL: [(&str, &str); 40] = [
+pub const ALL: [(&str, &str); 41] = [
     ("overview", include_str!("../../scenarios/overview.toml")),
     ("kurt2-example", include_str!("../../scenarios/kurt2-example.toml")),
     ("circle-drive", include_str!("../../scenarios/circle-drive.toml")),
@@ -25,6 +25,7 @@ pub const ALL: [(&str, &str); 40] = [
     ("mcl-1d", include_str!("../../scenarios/mcl-1d.toml")),
     ("diversity", include_str!("../../scenarios/diversity.toml")),
     ("grid-localization", include_str!("../../scenarios/grid-localization.toml")),
+    ("topological-localization", include_str!("../../scenarios/topological-localization.toml")),
     ("slam-linear", include_str!("../../scenarios/slam-linear.toml")),
     ("slam-landmarks", include_str!("../../scenarios/slam-landmarks.toml")),
     ("slam-loop", include_str!("../../scenarios/slam-loop.toml")),

@@ -186,3 +186,25 @@ fn on_intel_it_is_found_within_five_scans() {
 fn on_intel_it_is_found_from_every_third_scan() {
     intel_starts(3);
 }
+
+/// From no knowledge, over several seeds: mostly the right room.
+#[test]
+fn on_the_topological_map_it_knows_the_room() {
+    for seed in [2, 3] {
+        let changes = ["demonstration.views=150", "demonstration.tour.duration_s=80.0"];
+        let changes = changes.map(str::to_owned);
+        let scenario = Scenario::named("topological-localization", &changes).unwrap();
+        let shown = scenario.illustrate(seed).unwrap().unwrap();
+        let number = |key: &str| shown.summary[key].as_f64().unwrap();
+        assert!(number("places") > 10.0 && number("looks") > 60.0);
+        assert!(number("right_or_neighbour_share") > 0.7, "{}", shown.summary);
+        let files: Vec<_> = shown.figures.iter().map(|figure| figure.file.to_string()).collect();
+        assert_eq!(files, ["topological.svg", "places.svg"]);
+    }
+    let error = |change: &str| {
+        let scenario = Scenario::named("topological-localization", &[change.to_owned()]);
+        scenario.and_then(|s| s.illustrate(1).map(|_| ())).unwrap_err().to_string()
+    };
+    assert!(error("demonstration.views=0").contains("demonstration.views"));
+    assert!(error("demonstration.look_every_m=-1.0").contains("demonstration.look_every_m"));
+}

@@ -6,3 +6,4 @@ mod grid_input;
 mod kernel;
 mod line;
 mod robot;
+mod topological;

@@ -4,19 +4,15 @@
 use super::FigureFile;
 use super::moments::{self, Look};
 use crate::localizer::PlaceBelief;
-use crate::output::backdrop::known;
+use crate::output::canvas::Canvas;
+use crate::output::ramp;
 use crate::output::svg::{Backdrop, Frames, Scene};
-use crate::output::{png, ramp};
 use crate::record::Run;
 use loc_core::{Pose2, Stamped};
-use loc_maps::grid::Occupancy;
-use loc_maps::{Bounds, OccupancyGrid};
-use nalgebra::Point2;
+use loc_maps::OccupancyGrid;
 
 /// Powers of 10 that the colours reach down to.
 const DECADES: f64 = 6.0;
-/// Longest side of an image \[px\].
-const LARGEST: f64 = 400.0;
 /// Radius of the ring around the robot, as a share of the map's larger side.
 const RING: f64 = 0.03;
 
@@ -31,7 +27,7 @@ pub(super) fn histogram(run: &Run) -> Option<FigureFile> {
         .subtitle("whatever the heading; with the standard deviation of the position")
         .bar(ramp::bar(-DECADES, 0.0, "log10 of the probability of a square"));
     for index in moments::choose(&looks) {
-        let scene = Scene::new("").backdrop(canvas.paint(map, &moments[index].value));
+        let scene = Scene::new("").backdrop(paint(&canvas, map, &moments[index].value));
         let scene = match moments::truth_at(run, moments[index].stamp) {
             Some(truth) => scene.ring("robot", RING * canvas.larger_side(), truth),
             None => scene,
@@ -59,51 +55,11 @@ fn caption(run: &Run, moment: &Stamped<PlaceBelief>, look: Look) -> String {
     format!("{:.1} s, ± {:.2} m{after}", look.time, look.spread)
 }
 
-/// The pixels of an image of the known part of a map.
-struct Canvas {
-    bounds: Bounds,
-    /// Side of a pixel \[m\].
-    pixel: f64,
-    columns: usize,
-    rows: usize,
-}
-
-impl Canvas {
-    fn new(map: &OccupancyGrid) -> Option<Self> {
-        let bounds = known(map)?;
-        let (width, height) = (bounds.max.x - bounds.min.x, bounds.max.y - bounds.min.y);
-        let pixel = map.resolution().max(width.max(height) / LARGEST);
-        let (columns, rows) = ((width / pixel).ceil() as usize, (height / pixel).ceil() as usize);
-        Some(Canvas { bounds, pixel, columns, rows })
-    }
-
-    fn larger_side(&self) -> f64 {
-        self.columns.max(self.rows) as f64 * self.pixel
-    }
-
-    /// The belief in colours; walls dark, unknown space grey.
-    fn paint(&self, map: &OccupancyGrid, belief: &PlaceBelief) -> Backdrop {
-        let Canvas { bounds, pixel, columns, rows } = self;
-        let color = |index: usize| {
-            let (column, row) = (index % columns, index / columns);
-            let at = |k: usize| (k as f64 + 0.5) * pixel;
-            let place = Point2::new(bounds.min.x + at(column), bounds.max.y - at(row));
-            let square = belief.squares.cell_at(&place).and_then(|cell| belief.squares.index(cell));
-            match map.occupancy_at(&place) {
-                Occupancy::Occupied => ramp::WALL,
-                Occupancy::Unknown => ramp::UNKNOWN,
-                Occupancy::Free => {
-                    let p = square.and_then(|k| belief.probabilities.get(k)).copied();
-                    ramp::color(1.0 + f64::from(p.unwrap_or(0.0)).log10() / DECADES)
-                }
-            }
-        };
-        let pixels: Vec<ramp::Rgb> = (0..columns * rows).map(color).collect();
-        let (width, height) = (*columns as f64 * pixel, *rows as f64 * pixel);
-        Backdrop {
-            min: (bounds.min.x, bounds.max.y - height),
-            max: (bounds.min.x + width, bounds.max.y),
-            data_uri: png::rgb(&pixels, *columns),
-        }
-    }
+/// The belief in colours.
+fn paint(canvas: &Canvas, map: &OccupancyGrid, belief: &PlaceBelief) -> Backdrop {
+    canvas.paint(map, |_, place| {
+        let square = belief.squares.cell_at(place).and_then(|cell| belief.squares.index(cell));
+        let p = square.and_then(|k| belief.probabilities.get(k)).copied();
+        ramp::color(1.0 + f64::from(p.unwrap_or(0.0)).log10() / DECADES)
+    })
 }

@@ -25,7 +25,7 @@ pub struct FigureFile {
 }
 
 /// Every file name that a figure of a run can have.
-pub const NAMES: [&str; 18] = [
+pub const NAMES: [&str; 20] = [
     "map.svg",
     "clouds.svg",
     "errors.svg",
@@ -44,6 +44,8 @@ pub const NAMES: [&str; 18] = [
     "fusion.svg",
     "biases.svg",
     "histogram.svg",
+    "topological.svg",
+    "places.svg",
 ];
 
 /// The figures that suit a run.

@@ -1,0 +1,183 @@
+//! Markov localization on a topological map (K1 over the places of C4).
+//!
+//! "In which room am I?" needs no coordinates. The states are the places of the map: rooms,
+//! corridors and doors. A drive lets probability flow along the edges, the further the more; a scan
+//! multiplies each place by how much it looks like the scans that were taken there
+//! ([`PlaceViews`]), whatever the robot's heading.
+//!
+//! On the way the place is a Markov chain in continuous way: from a place i the robot goes on to a
+//! neighbour j at the rate 1 / (n_i l_ij) per metre, for n_i neighbours at distances l_ij. It stays
+//! in a place for about as long as its ways are, and all neighbours are as likely if they are
+//! equally far. After the way w, P' = P exp(Q w), which is summed up as the mean of powers of a
+//! matrix over a Poisson distribution (uniformization, Jensen 1953).
+//!
+//! ```
+//! use loc_filters::histogram::TopologicalFilter;
+//! use loc_maps::TopologicalMap;
+//! use loc_maps::topological::{Edge, Place, PlaceKind};
+//! let map = TopologicalMap::new(
+//!     [
+//!         Place::new("kitchen", PlaceKind::Room, 0.0, 0.0),
+//!         Place::new("hall", PlaceKind::Corridor, 4.0, 0.0),
+//!         Place::new("cellar", PlaceKind::Room, 9.0, 0.0),
+//!     ],
+//!     [Edge::new(0, 1, 4.0)],
+//! )?;
+//! let mut filter = TopologicalFilter::new(map)?;
+//! filter.correct(&[0.8, 0.1, 0.1])?; // It smells of coffee.
+//! assert!((filter.belief()[0] - 0.8).abs() < 1e-12);
+//! filter.predict(2.0)?;
+//! // Out of the kitchen at 1/4 per metre, and back as often.
+//! let flow = 0.5 * (1.0 - (-2.0 * 2.0 / 4.0_f64).exp());
+//! assert!((filter.belief()[1] - (0.1 + 0.7 * flow)).abs() < 1e-9);
+//! assert!((filter.belief()[2] - 0.1).abs() < 1e-9); // Nobody gets there.
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod views;
+
+pub use views::PlaceViews;
+
+use crate::Result;
+use loc_core::error::{in_range, non_negative};
+use loc_core::probability::{Discrete, bayes};
+use loc_maps::TopologicalMap;
+
+/// Neighbours are at least so far apart \[m\]: nobody goes from one to the other more often.
+const NEAREST: f64 = 0.2;
+
+/// What is left of the Poisson distribution when the sum ends.
+const TAIL: f64 = 1e-12;
+
+/// Expected jumps after which the chain has long come to rest.
+const MOST_JUMPS: f64 = 1e4;
+
+/// The probability of each place of a map.
+#[derive(Debug, Clone)]
+pub struct TopologicalFilter {
+    map: TopologicalMap,
+    belief: Vec<f64>,
+    /// For each place its neighbours, as (place, rate \[1/m\]).
+    rates: Vec<Vec<(usize, f64)>>,
+}
+
+impl TopologicalFilter {
+    /// A robot that may be in any place, all equally likely.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::Length`] for a map without places.
+    pub fn new(map: TopologicalMap) -> Result<Self> {
+        let count = map.places().len();
+        if count == 0 {
+            let expected = "at least one place";
+            return Err(
+                loc_core::Error::Length { what: "topological map", expected, found: 0 }.into()
+            );
+        }
+        let rates = (0..count).map(|place| {
+            let neighbours = map.neighbours(place);
+            let rate = |length: f64| 1.0 / (neighbours.len() as f64 * length.max(NEAREST));
+            neighbours.iter().map(|&(to, length)| (to, rate(length))).collect()
+        });
+        let rates = rates.collect();
+        Ok(TopologicalFilter { map, belief: vec![1.0 / count as f64; count], rates })
+    }
+
+    /// The map.
+    pub fn map(&self) -> &TopologicalMap {
+        &self.map
+    }
+
+    /// The probability of each place, in the order of the map; their sum is 1.
+    pub fn belief(&self) -> &[f64] {
+        &self.belief
+    }
+
+    /// The likeliest place, by its index.
+    pub fn most_likely(&self) -> usize {
+        let better =
+            |best: usize, k: usize| if self.belief[k] > self.belief[best] { k } else { best };
+        (0..self.belief.len()).fold(0, better)
+    }
+
+    /// Starts anew from a belief, one weight for each place; they need not add up to 1.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::Length`] for another number of weights, and those of [`Discrete`] for
+    /// weights that are no probabilities; the belief is kept then.
+    pub fn start(&mut self, weights: &[f64]) -> Result<()> {
+        self.check_count("start", weights)?;
+        let start = Discrete::from_weights(weights.iter().copied().enumerate())?;
+        self.belief = start.probabilities().to_vec();
+        Ok(())
+    }
+
+    /// The robot has driven this far \[m\], along whatever way.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a way that is negative or not finite.
+    pub fn predict(&mut self, way: f64) -> Result<()> {
+        non_negative("way [m]", way)?;
+        let leaving = |rates: &Vec<(usize, f64)>| rates.iter().map(|(_, rate)| rate).sum();
+        let fastest = self.rates.iter().map(leaving).fold(0.0, f64::max);
+        let jumps = (fastest * way).min(MOST_JUMPS);
+        if jumps <= 0.0 {
+            return Ok(());
+        }
+        // Logarithm of the Poisson probability of k jumps, of which some lead nowhere.
+        let (mut log_p, mut left, mut k) = (-jumps, 1.0, 0_u32);
+        let mut jumped = self.belief.clone();
+        let mut after = vec![0.0; jumped.len()];
+        while left > TAIL && f64::from(k) < 4.0 * jumps + 100.0 {
+            let p = log_p.exp();
+            after.iter_mut().zip(&jumped).for_each(|(after, jumped)| *after += p * jumped);
+            left -= p;
+            k += 1;
+            log_p += (jumps / f64::from(k)).ln();
+            jumped = self.jump(&jumped, fastest);
+        }
+        let sum: f64 = after.iter().sum();
+        self.belief = after.into_iter().map(|p| p / sum).collect();
+        Ok(())
+    }
+
+    /// One jump of the chain that jumps everywhere at the same rate.
+    fn jump(&self, from: &[f64], fastest: f64) -> Vec<f64> {
+        let mut to = from.to_vec();
+        for ((place, rates), p) in self.rates.iter().enumerate().zip(from) {
+            for (next, rate) in rates {
+                let share = p * rate / fastest;
+                to[place] -= share;
+                to[*next] += share;
+            }
+        }
+        to
+    }
+
+    /// A measurement, by how likely it is in each place, up to a common factor: P(place | s) =
+    /// alpha P(s | place) P(place) (K1).
+    ///
+    /// # Errors
+    /// [`loc_core::Error::Length`] for another number of likelihoods, and those of
+    /// [`bayes::posterior`]; the belief is kept then.
+    pub fn correct(&mut self, likelihoods: &[f64]) -> Result<()> {
+        self.check_count("likelihoods", likelihoods)?;
+        let places = Discrete::from_weights(self.belief.iter().copied().enumerate())?;
+        let posterior = bayes::posterior(&places, |&place| likelihoods[place])?;
+        self.belief = posterior.distribution.probabilities().to_vec();
+        Ok(())
+    }
+
+    fn check_count(&self, what: &'static str, weights: &[f64]) -> Result<()> {
+        let (count, found) = (self.belief.len(), weights.len());
+        if found != count {
+            let expected = "one for each place";
+            return Err(loc_core::Error::Length { what, expected, found }.into());
+        }
+        let sound = |value: f64| value >= 0.0 && value.is_finite();
+        weights.iter().try_for_each(|&weight| {
+            in_range("weight of a place", "0 or more", weight, sound).map(|_| ())
+        })?;
+        Ok(())
+    }
+}
