@@ -98,15 +98,22 @@ impl Tempering {
                 break;
             }
             self.resample(filter, count);
-            self.walk(filter, step, measurement, (exponent, &mut stride), count);
+            let moves = self.settings.moves;
+            self.walk(filter, step, measurement, (exponent, &mut stride), moves);
             report.stages += 1;
+        }
+        if report.stages > 1 && self.is_hardly_more_than_copies(workers) {
+            self.resample(filter, count);
+            // Of copies of one particle nothing tells how far to walk: the first strides find out.
+            self.walk(filter, step, measurement, (1.0, &mut stride), FAR);
         }
         self.store(filter);
         report
     }
 
-    /// Lets particles walk through the noise until enough of them have moved: those that resampling
-    /// made the same must part again, or the cloud would be smaller than it looks.
+    /// Lets particles walk through the noise until each has made `enough` accepted strides on the
+    /// average: those that resampling made the same must part again, or the cloud would be smaller
+    /// than it looks.
     ///
     /// Strides are in proportion to the spread of the noise that the measurement has left, in each
     /// of its coordinates; their scale follows the share of strides that is accepted.
@@ -116,12 +123,13 @@ impl Tempering {
         step: &impl Transport,
         measurement: &impl Likelihood,
         (exponent, scale): (f64, &mut f64),
-        count: usize,
+        enough: f64,
     ) {
-        let spread = self.spread_of_noise();
+        let spread = self.spread_of_noise().map(|spread| spread.max(LEAST));
+        let count = self.log_weights.len();
         let mut moved = 0.0;
         for _ in 0..self.settings.most_strides {
-            let strides = spread.map(|spread| (*scale * spread).clamp(0.01, 0.95));
+            let strides = spread.map(|spread| (*scale * spread).clamp(LEAST, 0.95));
             let accepted = AtomicUsize::new(0);
             filter.for_each_part(&mut self.parts, |part, rng| {
                 let walk = Walk { exponent, strides };
@@ -130,10 +138,20 @@ impl Tempering {
             let rate = accepted.into_inner() as f64 / count.max(1) as f64;
             *scale = (*scale * (3.0 * (rate - self.settings.acceptance)).exp()).clamp(1e-3, 1e3);
             moved += rate;
-            if moved >= self.settings.moves {
+            if moved >= enough {
                 break;
             }
         }
+    }
+
+    /// Whether most of the weight lies on copies of a few particles. Where odometry says little, one
+    /// particle alone may lie within the peak of a scan, and its copies, from which no stride leads
+    /// to a better place, soon outweigh all others.
+    fn is_hardly_more_than_copies(&mut self, workers: &Workers) -> bool {
+        let parts = self.parts.iter_mut().zip(self.log_weights.chunks(PART));
+        let masses = workers.map(parts, |(part, weights)| part.without_copies(weights));
+        let effective = Mass::total(masses).effective_sample_size();
+        effective < FEW * self.log_weights.len() as f64
     }
 
     /// Standard deviations of the numbers behind the particles.
@@ -235,6 +253,15 @@ impl Tempering {
         self.log_weights.resize(count, -(count as f64).ln());
     }
 }
+
+/// A stride is at least this long, in units of the noise of the motion.
+const LEAST: f64 = 0.01;
+
+/// Fewer different particles than this share of a cloud are few.
+const FEW: f64 = 0.1;
+
+/// Accepted strides after which copies of one particle have spread over a peak.
+const FAR: f64 = 3.0;
 
 /// How finely a share of a measurement is determined: to 1 / 2^10 of what is left.
 const BISECTIONS: u32 = 10;

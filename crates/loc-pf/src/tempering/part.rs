@@ -1,5 +1,6 @@
 //! A part of the cloud on its way through an update.
 
+use crate::log_weights::Mass;
 use crate::workers::PART;
 use crate::{Likelihood, Particles, Poses, Transport};
 use loc_core::random::ChaCha8Rng;
@@ -17,6 +18,7 @@ pub(super) struct Part {
     pub(super) moved: Particles,
     trial: Particles,
     trial_noise: Vec<[f64; 4]>,
+    singles: Vec<f64>,
 }
 
 /// A walk in the space of the noise.
@@ -64,6 +66,21 @@ impl Part {
         rate(&mut self.moved, measurement);
     }
 
+    /// The weights with copies counted as one; resampling leaves copies side by side.
+    pub(super) fn without_copies(&mut self, log_weights: &[f64]) -> Mass {
+        self.singles.clear();
+        let mut first = 0;
+        for (k, weight) in log_weights.iter().enumerate() {
+            if self.noise.get(k + 1).is_some_and(|next| is_copy(&self.noise[k], next)) {
+                continue;
+            }
+            // Copies have the same weight.
+            self.singles.push(weight + ((k + 1 - first) as f64).ln());
+            first = k + 1;
+        }
+        Mass::of(&self.singles)
+    }
+
     /// One stride of each particle through the noise, accepted or not (Metropolis and Hastings);
     /// returns how many were.
     ///
@@ -99,6 +116,11 @@ impl Part {
         }
         accepted
     }
+}
+
+/// Copies have the same numbers behind them to the bit.
+fn is_copy(one: &[f64; 4], other: &[f64; 4]) -> bool {
+    one.map(f64::to_bits) == other.map(f64::to_bits)
 }
 
 fn normals<R: Rng + ?Sized>(rng: &mut R) -> [f64; 4] {

@@ -389,6 +389,29 @@ fn point_17_distances_are_exact() {
     }
 }
 
+#[test]
+fn point_15_fewer_beams_than_asked_for_another_map_and_starts_outside_are_no_crash() {
+    let map = office(1);
+    let mut robot = Robot::new(&map, Robot::laser(), 13);
+    let settings = MclSettings { beams: 200, ..MclSettings::default() };
+    let mut mcl = tracking(&map, &robot, settings.clone(), 13);
+    let mut scan = robot.scan();
+    scan.ranges.truncate(3);
+    scan.angle_max = scan.angle_min + 2.0 * scan.angle_increment;
+    mcl.update(robot.odometry, &mounted(&scan)).unwrap();
+    assert!(mcl.pose().is_finite());
+    // The map is switched while the robot runs: what is known is carried over, on it or off it.
+    for other in [office(2), room(Pose2::new(100.0, 100.0, 1.0))] {
+        let mut switched = Mcl::new(&other, settings.clone(), stream(13, "mcl")).unwrap();
+        let off = pose_belief(Pose2::new(-1000.0, 0.0, 0.0), [0.1, 0.1, 0.1]);
+        assert!(switched.start_at(&off).is_err());
+        switched.restore(mcl.state()).unwrap();
+        drive(&mut switched, &mut robot, 3);
+        assert!(switched.pose().is_finite());
+        assert!(switched.particles().log_weights().iter().all(|weight| !weight.is_nan()));
+    }
+}
+
 /// Used by the tests of single rooms as well: a filter without particles does nothing.
 #[test]
 fn point_15_a_cloud_without_particles_is_no_crash() {

@@ -24,6 +24,7 @@ mod layering;
 mod line_matching;
 #[cfg(feature = "cli")]
 mod map;
+mod mcl_accuracy;
 mod metrics;
 mod mrclam;
 mod nav2;
