@@ -3,7 +3,7 @@
 //! Where a motion or a sensor bends, the tangent that the extended Kalman filter takes is wrong for
 //! a belief that is wide. The unscented filter sends a few points of the belief, the sigma points,
 //! through the model and takes mean and covariance of what comes out; up to the second order of the
-//! bend that is right. It uses the same models as [`ExtendedKalmanFilter`](crate::ExtendedKalmanFilter);
+//! bend that is right. It uses the same models as [`ExtendedKalmanFilter`];
 //! for linear ones the two are the same.
 //!
 //! The 2 N + 1 points stand in the mean and at `+- sqrt(N + kappa)` standard deviations, with
