@@ -46,17 +46,18 @@ fn without_arguments_it_runs_the_overview() {
     let summary: Value =
         serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
     let methods = summary["methods"].as_object().unwrap();
-    let mut expected: Vec<String> = [
+    let figures = [
+        "biases.svg",
         "clouds.svg",
         "consistency.svg",
         "errors.svg",
+        "fusion.svg",
         "histogram.svg",
         "lines.svg",
         "map.svg",
         "report.html",
-    ]
-    .map(str::to_owned)
-    .to_vec();
+    ];
+    let mut expected: Vec<String> = figures.map(str::to_owned).to_vec();
     expected.extend(["summary.json", "truth.tum"].map(str::to_owned));
     for method in methods.keys() {
         expected.push(format!("covariance_{method}.csv"));

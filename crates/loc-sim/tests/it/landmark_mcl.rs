@@ -122,10 +122,7 @@ fn aibo_finds_itself_on_the_field() {
 #[test]
 fn legs_and_worlds_are_checked() {
     for (change, message) in [
-        (
-            "drive.wheels={track_m=0.4}",
-            "drive.wheels, drive.legs: expected one of the two, got `both`",
-        ),
+        ("drive.wheels={track_m=0.4}", "drive.mecanum: expected one of them, got `several`"),
         ("drive.world.name=moon", "world: expected one of office, corridor"),
         ("drive.landmarks=[{id=1,x_m=0.0,y_m=0.0}]", "none beside those of the world"),
         (
