@@ -16,7 +16,7 @@ pub fn write_whole(path: impl AsRef<Path>, contents: impl AsRef<[u8]>) -> Result
 }
 
 /// Lets `write` fill a file beside `path`, which takes its place only once that has succeeded: a
-/// reader never sees half of it.
+/// reader never sees half of it. What is no file, such as a pipe or a device, is written itself.
 ///
 /// # Errors
 /// Those of `write`, and [`Error::Io`]; the file is then as it was.
@@ -25,6 +25,9 @@ pub fn write_beside<T, E: From<Error>>(
     write: impl FnOnce(&Path) -> std::result::Result<T, E>,
 ) -> std::result::Result<T, E> {
     let path = path.as_ref();
+    if fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        return write(path);
+    }
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", std::process::id()));
     let part = path.with_file_name(name);

@@ -4,6 +4,7 @@
 mod angle;
 mod consistency;
 mod driven;
+mod file;
 mod finite_difference;
 mod gaussian;
 mod kinematics;
