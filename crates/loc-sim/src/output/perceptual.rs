@@ -2,11 +2,9 @@
 //! beside the fitted one, and cuts through both.
 
 use super::svg::{Chart, ColorBar, Figure, HeatMap, HeatMaps, Role};
+use super::{png, ramp};
 use crate::Result;
 use crate::perceptual::Learned;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use image::{ExtendedColorType, ImageEncoder};
 use loc_pf::sensor::beam::{BeamModel, RangeModel};
 
 /// Pixels along the side of a surface.
@@ -52,8 +50,8 @@ pub fn surfaces(learned: &Learned, title: &str) -> Result<String> {
         let strip = (0..PIXELS).map(|column| color(none(column) / 10_f64.ln()));
         HeatMap {
             caption: caption.into(),
-            data_uri: uri(&density.collect::<Vec<_>>(), PIXELS),
-            strip: Some(uri(&strip.collect::<Vec<_>>(), PIXELS)),
+            data_uri: png::rgb(&density.collect::<Vec<_>>(), PIXELS),
+            strip: Some(png::rgb(&strip.collect::<Vec<_>>(), PIXELS)),
         }
     };
     let bar: Vec<[u8; 3]> =
@@ -71,7 +69,7 @@ pub fn surfaces(learned: &Learned, title: &str) -> Result<String> {
             map("fitted beam model", &|expected, measured| fitted.log_density(expected, measured)),
         ],
         bar: Some(ColorBar {
-            data_uri: uri(&bar, bar.len()),
+            data_uri: png::rgb(&bar, bar.len()),
             low: LOWEST,
             high: HIGHEST,
             name: "log10 of p [1/m]".into(),
@@ -128,20 +126,5 @@ fn reach(learned: &Learned) -> f64 {
 
 /// The colour of a density's power of ten.
 fn color(power: f64) -> [u8; 3] {
-    let share = ((power - LOWEST) / (HIGHEST - LOWEST)).clamp(0.0, 1.0);
-    let place = share * (RAMP.len() - 1) as f64;
-    let index = (place as usize).min(RAMP.len() - 2);
-    let (from, to, rest) = (RAMP[index], RAMP[index + 1], place - index as f64);
-    let mix = |k: usize| f64::from(from[k]) + rest * (f64::from(to[k]) - f64::from(from[k]));
-    std::array::from_fn(|k| mix(k).round() as u8)
-}
-
-/// An image as a data URI.
-fn uri(pixels: &[[u8; 3]], width: usize) -> String {
-    let mut png = Vec::new();
-    let encoder = image::codecs::png::PngEncoder::new(&mut png);
-    let size = (width as u32, (pixels.len() / width.max(1)) as u32);
-    // Writing to memory cannot fail, and the sizes agree.
-    let _ = encoder.write_image(pixels.as_flattened(), size.0, size.1, ExtendedColorType::Rgb8);
-    format!("data:image/png;base64,{}", STANDARD.encode(png))
+    ramp::along(&RAMP, (power - LOWEST) / (HIGHEST - LOWEST))
 }

@@ -17,9 +17,14 @@ pub(crate) const UNKNOWN: Rgb = [205, 205, 205];
 
 /// The colour at a share of the ramp.
 pub(crate) fn color(share: f64) -> Rgb {
-    let place = share.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
-    let index = (place as usize).min(RAMP.len() - 2);
-    let (from, to) = (RAMP[index], RAMP[index + 1]);
+    along(&RAMP, share)
+}
+
+/// The colour at a share of the way through colours that are evenly spaced.
+pub(crate) fn along<const N: usize>(colors: &[Rgb; N], share: f64) -> Rgb {
+    let place = share.clamp(0.0, 1.0) * (N - 1) as f64;
+    let index = (place as usize).min(N - 2);
+    let (from, to) = (colors[index], colors[index + 1]);
     let rest = place - index as f64;
     std::array::from_fn(|k| {
         (f64::from(from[k]) + rest * (f64::from(to[k]) - f64::from(from[k]))).round() as u8

@@ -1,5 +1,6 @@
 //! Images of colours and depths.
 
+use crate::output::ramp;
 use crate::output::svg::{ColorBar, Picture};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -51,7 +52,7 @@ impl Image {
 impl Shown {
     /// With colours that stand for depths from near to far \[m\].
     pub(super) fn with_bar(self, low: f64, high: f64) -> Picture {
-        let strip: Vec<Rgb> = (0..256).map(|k| ramp(f64::from(k) / 255.0)).collect();
+        let strip: Vec<Rgb> = (0..256).map(|k| ramp::along(&RAMP, f64::from(k) / 255.0)).collect();
         let data_uri = uri(&Image { width: strip.len(), pixels: strip }.png());
         let bar = ColorBar { data_uri, low, high, name: "depth [m]".into() };
         Picture { bar: Some(bar), ..self.plain() }
@@ -73,7 +74,7 @@ pub(super) fn shown(caption: &str, image: &Image) -> Shown {
 pub(super) fn of_depths(depths: &DepthImage, (near, far): (f64, f64)) -> Image {
     let color = |depth: &f32| {
         let share = (f64::from(*depth) - near) / (far - near);
-        if share.is_finite() { ramp(share) } else { NOTHING }
+        if share.is_finite() { ramp::along(&RAMP, share) } else { NOTHING }
     };
     Image { width: depths.width(), pixels: depths.depths().iter().map(color).collect() }
 }
@@ -101,15 +102,4 @@ fn png(bytes: &[u8], (width, height): (usize, usize), color: ExtendedColorType) 
 
 fn uri(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", STANDARD.encode(png))
-}
-
-/// The colour at a share of the ramp.
-fn ramp(share: f64) -> Rgb {
-    let place = share.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
-    let index = (place as usize).min(RAMP.len() - 2);
-    let (from, to) = (RAMP[index], RAMP[index + 1]);
-    let rest = place - index as f64;
-    std::array::from_fn(|k| {
-        (f64::from(from[k]) + rest * (f64::from(to[k]) - f64::from(from[k]))).round() as u8
-    })
 }
