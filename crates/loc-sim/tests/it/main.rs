@@ -36,6 +36,7 @@ mod replay;
 mod report;
 mod ros;
 mod scenarios;
+mod seeds;
 mod sense;
 mod slam;
 mod slam_recordings;

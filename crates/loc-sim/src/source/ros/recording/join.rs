@@ -1,20 +1,24 @@
 //! Scans, odometry and true poses, brought into one order of time.
 
+use super::beside::{Satellites, in_the_middle, sample};
 use super::counts::Counts;
 use super::noise::NoisyOdometry;
 use super::preview::{Preview, transforms};
 use super::roles::{OdometryFrom, ReferenceFrom, Roles};
 use super::scan::{converted, level};
 use super::{RosOptions, unsuitable};
+use crate::event::Measurement;
 use crate::source::laser_log::{Entry, RecordedScan};
 use crate::source::ros::bag::{Channel, MessageReader};
 use crate::source::ros::messages::{
-    self, Message, MultiEchoLaserScan, Odometry, PointCloud2, PoseStamped,
+    self, Imu, Message, MultiEchoLaserScan, NavSatFix, Odometry, PointCloud2, PoseStamped,
     PoseWithCovarianceStamped, Slice, Stamp, TfMessage,
 };
 use crate::source::ros::tf::TransformBuffer;
 use crate::{Error, Result};
-use loc_core::Pose2;
+use loc_core::nalgebra::Isometry3;
+use loc_core::{Gaussian, Pose2};
+use loc_sensors::imu::ImuReading;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -29,12 +33,15 @@ pub(super) struct Join {
     odometry_delay: i64,
     frames: TransformBuffer,
     noise: Option<NoisyOdometry>,
+    satellites: Satellites,
     /// Odometry around what waits, in order of time; `passed` of it are given out.
     pub(super) odometry: VecDeque<(Stamp, Pose2)>,
     pub(super) waiting: VecDeque<(Stamp, Waiting)>,
     pub(super) ready: VecDeque<Entry>,
     pub(super) latest_scan: Option<Stamp>,
     pub(super) latest_truth: Option<Stamp>,
+    /// Of the inertial unit and of the satellite receiver.
+    pub(super) latest_beside: [Option<Stamp>; 2],
     pub(super) given: Stamp,
     ended: bool,
     last_stamp: Option<Stamp>,
@@ -47,6 +54,9 @@ pub(super) struct Join {
 pub(super) enum Waiting {
     Scan(messages::LaserScan),
     Truth(Pose2),
+    /// A sample with the frame of its unit.
+    Inertial(String, ImuReading),
+    Position(Gaussian<2>),
 }
 
 impl Join {
@@ -63,11 +73,13 @@ impl Join {
             odometry_delay: Stamp::from_seconds(options.odometry_delay).0,
             frames: preview.frames,
             noise: options.odometry_noise.map(|(noise, seed)| NoisyOdometry::new(noise, seed)),
+            satellites: Satellites::default(),
             odometry: VecDeque::new(),
             waiting: VecDeque::new(),
             ready: VecDeque::new(),
             latest_scan: None,
             latest_truth: None,
+            latest_beside: [None; 2],
             given: Stamp(i64::MIN),
             ended: false,
             last_stamp: preview.last_stamp,
@@ -144,6 +156,15 @@ impl Join {
             self.take_odometry(message.header.stamp, log_time, message.pose.pose.planar());
         } else if ReferenceFrom::Topic(topic.clone()) == self.roles.reference {
             self.take_truth(channel, log_time, data)?;
+        } else if self.roles.inertial.as_ref() == Some(topic) {
+            let message = Imu::from_bytes(data, &channel.encoding)?;
+            let what = sample(&message)?
+                .map(|reading| Waiting::Inertial(message.header.frame_id.clone(), reading));
+            self.take_beside(0, message.header.stamp, log_time, what);
+        } else if self.roles.satellites.as_ref() == Some(topic) {
+            let message = NavSatFix::from_bytes(data, &channel.encoding)?;
+            let what = self.satellites.position(&message)?.map(Waiting::Position);
+            self.take_beside(1, message.header.stamp, log_time, what);
         }
         Ok(())
     }
@@ -192,6 +213,23 @@ impl Join {
         Ok(())
     }
 
+    /// Takes what the sensor of this index among those beside the laser measured, if anything.
+    fn take_beside(&mut self, sensor: usize, stamp: Stamp, log_time: Stamp, what: Option<Waiting>) {
+        let stamp = self.stamp(stamp, log_time);
+        let Some(what) = what else {
+            self.counts.without_measurement += 1;
+            return;
+        };
+        if let Some(latest) = self.latest_beside.get_mut(sensor) {
+            if latest.is_some_and(|latest| stamp <= latest) {
+                self.counts.out_of_order += 1;
+                return;
+            }
+            *latest = Some(stamp);
+        }
+        self.wait(stamp, what);
+    }
+
     fn take_odometry(&mut self, stamp: Stamp, log_time: Stamp, pose: Option<Pose2>) {
         let stamp = self.stamp(stamp, log_time);
         let stamp = Stamp(stamp.0.saturating_add(self.odometry_delay));
@@ -215,9 +253,9 @@ impl Join {
     }
 
     fn wait(&mut self, stamp: Stamp, what: Waiting) {
-        // Of what belongs to the same time, a scan comes before the pose that judges it.
-        let is_scan = matches!(what, Waiting::Scan(_));
-        let after = |known: Stamp| known > stamp || (is_scan && known == stamp);
+        // Of what belongs to the same time, the pose that judges it comes last.
+        let is_truth = matches!(what, Waiting::Truth(_));
+        let after = |known: Stamp| known > stamp || (!is_truth && known == stamp);
         let later = self.waiting.iter().rev().take_while(|(known, _)| after(*known)).count();
         self.waiting.insert(self.waiting.len() - later, (stamp, what));
     }
@@ -247,6 +285,22 @@ impl Join {
         Ok(RecordedScan { scan, mounting, odometry, truth })
     }
 
+    /// A sample in the robot's middle; a unit without a frame sits there.
+    pub(super) fn inertial(
+        &self,
+        frame: &str,
+        reading: &ImuReading,
+        stamp: Stamp,
+    ) -> Result<Measurement> {
+        let place = match frame {
+            "" => Isometry3::identity(),
+            frame => self.frames.lookup(&self.roles.base, frame, stamp, HOLD)?,
+        };
+        let reading = in_the_middle(reading, &place);
+        reading.check()?;
+        Ok(Measurement::Inertial(reading))
+    }
+
     /// The error of a bag of which no scan could be used.
     pub(super) fn no_scans(&mut self) -> Error {
         if let Some(error) = self.counts.why_without_transform.take() {
@@ -269,7 +323,9 @@ impl Join {
                 Some(format!("reference: the recorded transform from {map}, itself an estimate"))
             }
         };
-        self.bag.notes().into_iter().chain(reference).chain(self.counts.notes()).collect()
+        let notes = self.bag.notes().into_iter().chain(reference).chain(self.satellites.note());
+        let notes = notes.chain(self.roles.not_chosen.iter().cloned());
+        notes.chain(self.counts.notes()).collect()
     }
 }
 
