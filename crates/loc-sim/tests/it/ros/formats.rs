@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 /// A message in the bytes of both generations of ROS.
 #[derive(Clone)]
-struct Stored {
+pub(super) struct Stored {
     topic: &'static str,
     type_name: &'static str,
     /// When it was recorded \[s\].
@@ -22,13 +22,13 @@ struct Stored {
     ros1: Vec<u8>,
 }
 
-fn stored<M: Message>(topic: &'static str, time: u32, message: &M) -> Stored {
+pub(super) fn stored<M: Message>(topic: &'static str, time: u32, message: &M) -> Stored {
     let [cdr, ros1] = [Dialect::Cdr, Dialect::Ros1].map(|dialect| message.to_bytes(dialect));
     Stored { topic, type_name: M::NAME, time, cdr, ros1 }
 }
 
 /// The messages as a bag of each format, with its name.
-fn bags(messages: &[Stored]) -> Vec<(&'static str, Vec<u8>)> {
+pub(super) fn bags(messages: &[Stored]) -> Vec<(&'static str, Vec<u8>)> {
     let mut topics: Vec<(&str, &str)> = messages.iter().map(|m| (m.topic, m.type_name)).collect();
     topics.sort_unstable();
     topics.dedup();
@@ -73,7 +73,9 @@ impl Folder {
 }
 
 /// Events and notes, or the error.
-fn replayed(bag: &Path) -> Result<(Vec<Event>, Vec<String>), String> {
+type Replayed = Result<(Vec<Event>, Vec<String>), String>;
+
+fn replayed(bag: &Path) -> Replayed {
     let options = ReplayOptions { start: Start::Anywhere, ..ReplayOptions::default() };
     let recording = RosRecording::open(bag, &options, &RosOptions::default());
     let mut recording = recording.map_err(|error| error.to_string())?;
@@ -85,7 +87,7 @@ fn replayed(bag: &Path) -> Result<(Vec<Event>, Vec<String>), String> {
 }
 
 /// What every format makes of the messages.
-fn in_every_format(messages: &[Stored]) -> Vec<Result<(Vec<Event>, Vec<String>), String>> {
+fn in_every_format(messages: &[Stored]) -> Vec<Replayed> {
     let of = |(name, bytes): (&str, Vec<u8>)| {
         let (_folder, path) = Folder::with(name, &bytes);
         replayed(&path)
@@ -93,11 +95,11 @@ fn in_every_format(messages: &[Stored]) -> Vec<Result<(Vec<Event>, Vec<String>),
     bags(messages).into_iter().map(of).collect()
 }
 
-fn at(second: i64) -> Stamp {
+pub(super) fn at(second: i64) -> Stamp {
     Stamp(second * 1_000_000_000)
 }
 
-fn odometry(second: i64) -> Stored {
+pub(super) fn odometry(second: i64) -> Stored {
     let mut odometry = Odometry { header: Header::new(at(second), "odom"), ..Odometry::default() };
     odometry.child_frame_id = "base".into();
     odometry.pose.pose = Pose2::new(second as f64, 0.0, 0.0).into();
@@ -120,7 +122,7 @@ fn scan(second: i64) -> Stored {
     scan_at(at(second), second as u32)
 }
 
-fn place() -> Stored {
+pub(super) fn place() -> Stored {
     let transform = TransformStamped {
         header: Header::new(at(1), "base"),
         child_frame_id: "laser".into(),
@@ -130,7 +132,7 @@ fn place() -> Stored {
 }
 
 /// Odometry and scans of seconds 1 to 4.
-fn drive() -> Vec<Stored> {
+pub(super) fn drive() -> Vec<Stored> {
     std::iter::once(place()).chain((1..5).flat_map(|k| [odometry(k), scan(k)])).collect()
 }
 

@@ -1,11 +1,17 @@
 //! Bags of ROS: what others wrote, what is damaged, and how messages become events.
 
 mod checksums;
+#[cfg(feature = "cli")]
+mod command;
 mod damage;
 pub(crate) mod database;
 pub(crate) mod foreign;
 mod formats;
 mod mcap_output;
+#[cfg(feature = "cli")]
+mod memory;
+#[cfg(feature = "cli")]
+mod python;
 mod real;
 mod recording;
 mod sensors;

@@ -17,6 +17,7 @@ mod order;
 mod preview;
 mod roles;
 mod scan;
+mod take;
 
 pub use options::RosOptions;
 
