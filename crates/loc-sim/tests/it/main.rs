@@ -24,6 +24,7 @@ mod landmark_mcl;
 mod layering;
 mod line_matching;
 #[cfg(feature = "cli")]
+mod manners;
 mod map;
 mod mcl_accuracy;
 mod metrics;

@@ -17,7 +17,6 @@ use super::Global;
 use super::progress::Progress;
 use super::show::{Finished, OutputArgs, show};
 use crate::localizer::{Method, MethodSettings};
-use crate::output::mcap::McapRecorder;
 use crate::record::Filming;
 use crate::runner::{self, Both};
 use crate::scenario::recording;
@@ -131,10 +130,12 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let source = replay.source.as_mut();
     let mut tell = |share| progress.tell(share);
     let mut filming = Filming::new(&mut tell);
-    let mut recorder = args.output.recorder()?;
+    let (mut recorder, target) = args.output.recorder()?;
     let mut watcher = Both(&mut filming, &mut recorder);
     let mut run = runner::run_watched(source, methods, &replay.settings, &mut watcher)?;
-    recorder.map(McapRecorder::finish).transpose()?;
+    if let Some((recorder, target)) = recorder.zip(target) {
+        target.finish(recorder)?;
+    }
     run.film = Some(filming.film);
     progress.finish();
     let took = begin.elapsed().as_secs_f64();
@@ -146,6 +147,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
         seed: methods.iter().any(|method| method.draws()).then_some(replay.settings.seed),
         compare: false,
         also_in_frame: None,
+        scenario: None,
     };
     show(&finished, &args.output, global)?;
     if global.quiet || global.json {
