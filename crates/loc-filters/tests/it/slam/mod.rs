@@ -1,5 +1,6 @@
 mod bad_input;
 mod consistency;
+mod forms;
 mod linear;
 mod localizer;
 mod reference;
