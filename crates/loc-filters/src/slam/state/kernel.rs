@@ -124,6 +124,7 @@ impl Product<'_> {
         match factors.len() / N {
             1 => self.few::<S, N, 1>(simd, rows, factors),
             2 => self.few::<S, N, 2>(simd, rows, factors),
+            4 => self.few::<S, N, 4>(simd, rows, factors),
             _ => self.many::<S, N>(simd, rows, factors),
         }
     }
