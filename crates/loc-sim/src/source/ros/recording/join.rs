@@ -1,6 +1,7 @@
 //! Scans, odometry and true poses, brought into one order of time.
 
 use super::counts::Counts;
+use super::delay::MeasuredDelay;
 use super::noise::NoisyOdometry;
 use super::preview::{Preview, transforms};
 use super::roles::{OdometryFrom, ReferenceFrom, Roles};
@@ -26,7 +27,7 @@ pub(super) struct Join {
     bag: Box<dyn MessageReader>,
     pub(super) roles: Roles,
     mounting: Option<Pose2>,
-    odometry_delay: i64,
+    pub(super) delay: MeasuredDelay,
     frames: TransformBuffer,
     noise: Option<NoisyOdometry>,
     /// Odometry around what waits, in order of time; `passed` of it are given out.
@@ -55,12 +56,13 @@ impl Join {
         preview: Preview,
         roles: Roles,
         options: &RosOptions,
+        delay: MeasuredDelay,
     ) -> Result<Self> {
         Ok(Join {
             bag,
             roles,
             mounting: options.mounting,
-            odometry_delay: Stamp::from_seconds(options.odometry_delay).0,
+            delay,
             frames: preview.frames,
             noise: options.odometry_noise.map(|(noise, seed)| NoisyOdometry::new(noise, seed)),
             odometry: VecDeque::new(),
@@ -194,7 +196,7 @@ impl Join {
 
     fn take_odometry(&mut self, stamp: Stamp, log_time: Stamp, pose: Option<Pose2>) {
         let stamp = self.stamp(stamp, log_time);
-        let stamp = Stamp(stamp.0.saturating_add(self.odometry_delay));
+        let stamp = Stamp(stamp.0.saturating_add(Stamp::from_seconds(self.delay.used).0));
         let late = self.odometry.back().is_some_and(|(latest, _)| stamp <= *latest);
         match pose {
             Some(pose) if !late && stamp > self.given => {
@@ -269,7 +271,8 @@ impl Join {
                 Some(format!("reference: the recorded transform from {map}, itself an estimate"))
             }
         };
-        self.bag.notes().into_iter().chain(reference).chain(self.counts.notes()).collect()
+        let notes = self.bag.notes().into_iter().chain(reference).chain(self.delay.note());
+        notes.chain(self.counts.notes()).collect()
     }
 }
 

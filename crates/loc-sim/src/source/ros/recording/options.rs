@@ -3,6 +3,23 @@
 use loc_core::Pose2;
 use loc_core::motion::VelocityNoise;
 
+/// How much later than its stamp the robot was where its odometry says; negative for an odometry
+/// that comes late.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum OdometryDelay {
+    /// This much \[s\]; 0 for stamps as they are.
+    Known(f64),
+    /// As much as the turns of the scans say, where that is significant: the bag is read once more
+    /// up to where they say enough. See [`loc_pf::delay`].
+    Estimated,
+}
+
+impl Default for OdometryDelay {
+    fn default() -> Self {
+        OdometryDelay::Known(0.0)
+    }
+}
+
 /// What is not found in a bag by itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RosOptions {
@@ -15,9 +32,8 @@ pub struct RosOptions {
     pub reference_topic: Option<String>,
     /// Where the laser sits on the robot, in place of what the transforms say.
     pub mounting: Option<Pose2>,
-    /// How much later than its stamp the robot was where its odometry says \[s\]; negative for an
-    /// odometry that comes late.
-    pub odometry_delay: f64,
+    /// What is added to the stamps of the odometry.
+    pub odometry_delay: OdometryDelay,
     /// Noise that is added to the odometry, with the seed of its stream.
     pub odometry_noise: Option<(VelocityNoise, u64)>,
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 const KEEP: f64 = 30.0;
 
 /// What is known of a bag before it is replayed.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Preview {
     pub(super) survey: Survey,
     /// The fixed transforms.
