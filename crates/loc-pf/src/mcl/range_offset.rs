@@ -63,11 +63,14 @@ pub struct RangeOffsetEstimate {
 const MEMORY: f64 = 0.99;
 
 /// Fewest scans that are believed.
-const FEWEST: usize = 10;
+const FEWEST: usize = 5;
 
 /// Steps over which the log-likelihood is differentiated \[m, m, rad, m\]: about the width of the
 /// field.
 const STEPS: [f64; 4] = [0.04, 0.04, 0.015, 0.04];
+
+/// Offsets that are tried first, to come near the peak, in these steps \[m\]: as many either way.
+const TRIED: (i32, f64) = (5, 0.03);
 
 /// How far pose and offset of a scan are believed to be off \[m, m, rad, m\]; beyond it, the
 /// quadratic function means nothing.
@@ -100,7 +103,7 @@ impl RangeOffsetEstimate {
         if is_significant { offset.clamp(-RangeOffset::LARGEST, RangeOffset::LARGEST) } else { 0.0 }
     }
 
-    /// Takes in scans at the pose that they led to, with the offset that was used.
+    /// Takes in scans at the pose that they led to with an offset that was used \[m\].
     pub(super) fn update(
         &mut self,
         field: &LikelihoodField,
@@ -109,7 +112,14 @@ impl RangeOffsetEstimate {
         pose: Pose2,
         used: f64,
     ) {
-        let at = |shift: f64| endpoints(scans, beams, used + shift);
+        let fit = |offset: f64| {
+            let fit = log_likelihood(field, pose, &endpoints(scans, beams, offset));
+            (offset, fit)
+        };
+        let (count, step) = TRIED;
+        let tried = (-count..=count).map(|k| f64::from(k) * step).chain([used]).map(fit);
+        let Some((near, _)) = tried.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+        let at = |shift: f64| endpoints(scans, beams, near + shift);
         let [shorter, same, longer] = [-STEPS[3], 0.0, STEPS[3]].map(at);
         let ends = |k: i32| match k {
             -1 => &shorter,
@@ -118,7 +128,7 @@ impl RangeOffsetEstimate {
         };
         let around = Surface::of(|pose, k| log_likelihood(field, pose, ends(k)), pose);
         let Some((offset, information)) = around.and_then(|around| around.offset()) else { return };
-        let offset = used + offset;
+        let offset = near + offset;
         for (sum, new) in self.sums.iter_mut().zip([1.0, offset, offset * offset]) {
             *sum = MEMORY * *sum + information * new;
         }

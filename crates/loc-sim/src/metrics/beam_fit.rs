@@ -15,11 +15,15 @@ use loc_sensors::laser::LaserScan;
 /// let mut map = OccupancyGrid::filled(GridFrame::new(60, 60, 0.1, Pose2::IDENTITY)?, 0);
 /// (0..60).try_for_each(|row| map.set(Cell::new(40, row), 100))?;
 /// let scan = LaserScan {
-///     angle_increment: 0.1,
+///     angle_min: 0.0,
 ///     angle_max: 0.1,
+///     angle_increment: 0.1,
+///     time_increment: 0.0,
+///     scan_time: 0.1,
+///     range_min: 0.1,
 ///     range_max: 9.0,
 ///     ranges: vec![2.05, 3.0],
-///     ..LaserScan::default()
+///     intensities: Vec::new(),
 /// };
 /// let walls = BeamFit::new(&map)?;
 /// // The first beam ends on the wall at x = 4.05 m, the second one behind it.

@@ -52,6 +52,15 @@ impl Given {
         })
     }
 
+    /// A name that is not empty.
+    pub(super) fn name(&mut self, key: &str) -> Result<Option<String>> {
+        let found = self.take(key, "a name", |value| match value {
+            Value::Text(text) => Some(text.clone()).filter(|text| !text.trim().is_empty()),
+            _ => None,
+        })?;
+        Ok(found.map(|found| found.value))
+    }
+
     /// What stands for one of the `choices`.
     pub(super) fn choice<T: Copy>(
         &mut self,

@@ -2,7 +2,7 @@
 
 use super::Format;
 use super::laser::parse_pose;
-use crate::source::ros::{OdometryDelay, RosOptions};
+use crate::source::ros::{OdometryDelay, RosNames, RosOptions};
 use crate::{Result, config};
 use anyhow::bail;
 use loc_core::error::finite;
@@ -46,6 +46,7 @@ impl RosArgs {
             scan_topic: self.scan_topic.clone(),
             odom_topic: self.odom_topic.clone(),
             reference_topic: self.reference_topic.clone(),
+            names: RosNames::default(),
             mounting: self.laser_mounting.as_ref().map(pose).transpose()?,
             odometry_delay: self.odom_delay.map_or(Ok(OdometryDelay::Estimated), known)?,
             odometry_noise: self.odom_noise.as_ref().map(noise).transpose()?,

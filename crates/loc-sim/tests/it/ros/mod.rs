@@ -1,7 +1,9 @@
 //! Bags of ROS: what others wrote, what is damaged, and how messages become events.
 
+mod accuracy;
 mod damage;
 mod foreign;
+mod late;
 mod mcap_output;
 mod real;
 mod recording;

@@ -200,6 +200,7 @@ impl Join {
         let late = self.odometry.back().is_some_and(|(latest, _)| stamp <= *latest);
         match pose {
             Some(pose) if !late && stamp > self.given => {
+                let pose = pose * self.roles.base_in_odometry;
                 let pose = self.noise.as_mut().map_or(pose, |noise| noise.next(pose));
                 self.odometry.push_back((stamp, pose));
             }
@@ -271,8 +272,9 @@ impl Join {
                 Some(format!("reference: the recorded transform from {map}, itself an estimate"))
             }
         };
+        let names = self.roles.notes.iter().cloned();
         let notes = self.bag.notes().into_iter().chain(reference).chain(self.delay.note());
-        notes.chain(self.counts.notes()).collect()
+        notes.chain(names).chain(self.counts.notes()).collect()
     }
 }
 

@@ -18,7 +18,7 @@ mod preview;
 mod roles;
 mod scan;
 
-pub use options::{OdometryDelay, RosOptions};
+pub use options::{OdometryDelay, RosNames, RosOptions};
 
 use self::delay::MeasuredDelay;
 use self::join::Join;

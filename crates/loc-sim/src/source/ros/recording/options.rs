@@ -20,6 +20,33 @@ impl Default for OdometryDelay {
     }
 }
 
+/// Names that a parameter file of nav2_amcl gives. A bag that has none of a name is read without
+/// it, and a note says so.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RosNames {
+    /// The topic with the scans (`scan_topic`).
+    pub scan_topic: Option<String>,
+    /// The frame of the robot (`base_frame_id`).
+    pub base_frame: Option<String>,
+    /// The frame of the odometry (`odom_frame_id`).
+    pub odom_frame: Option<String>,
+    /// The frame of the map (`global_frame_id`).
+    pub map_frame: Option<String>,
+}
+
+impl RosNames {
+    /// The names with what a parameter file calls them.
+    pub fn given(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let all = [
+            ("scan_topic", &self.scan_topic),
+            ("base_frame_id", &self.base_frame),
+            ("odom_frame_id", &self.odom_frame),
+            ("global_frame_id", &self.map_frame),
+        ];
+        all.into_iter().filter_map(|(key, name)| Some((key, name.as_deref()?)))
+    }
+}
+
 /// What is not found in a bag by itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RosOptions {
@@ -30,6 +57,8 @@ pub struct RosOptions {
     /// The topic with the true poses, `/tf` for the transform from the map that was recorded, or
     /// `none`; found by its name where left out.
     pub reference_topic: Option<String>,
+    /// Names to use where the bag has them and nothing else is said.
+    pub names: RosNames,
     /// Where the laser sits on the robot, in place of what the transforms say.
     pub mounting: Option<Pose2>,
     /// What is added to the stamps of the odometry.

@@ -75,6 +75,15 @@ impl Preview {
         }
     }
 
+    /// The only topic of odometry in a frame.
+    pub(super) fn odometry_in(&self, frame: &str) -> Option<String> {
+        let plain = |frame: &str| frame.trim_start_matches('/').to_owned();
+        let fits = |(_, (of, _)): &(&String, &(String, String))| plain(of) == plain(frame);
+        let mut topics = self.odometry_frames.iter().filter(fits);
+        let (first, _) = topics.next()?;
+        topics.next().is_none().then(|| first.clone())
+    }
+
     /// The child of the first moving transform whose parent has a name that fits.
     pub(super) fn moving_below(&self, fits: impl Fn(&str) -> bool) -> Option<(&str, &str)> {
         let edge = self.moving.iter().find(|(parent, _)| fits(parent));

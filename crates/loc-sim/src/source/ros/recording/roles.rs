@@ -3,10 +3,11 @@
 use super::{Preview, RosOptions, unsuitable};
 use crate::Result;
 use crate::source::ros::messages::{
-    LaserScan, Message, MultiEchoLaserScan, Odometry, PointCloud2, PoseStamped,
-    PoseWithCovarianceStamped,
+    self, LaserScan, Message, MultiEchoLaserScan, Odometry, PointCloud2, PoseStamped,
+    PoseWithCovarianceStamped, Stamp,
 };
 use crate::source::ros::survey::Topic;
+use loc_core::Pose2;
 use std::path::Path;
 
 /// What the topics of a bag are used for.
@@ -16,7 +17,11 @@ pub(super) struct Roles {
     pub(super) odometry: OdometryFrom,
     /// The frame of the robot.
     pub(super) base: String,
+    /// Where that frame is in the one that the odometry is about.
+    pub(super) base_in_odometry: Pose2,
     pub(super) reference: ReferenceFrom,
+    /// Names that were asked for and are not in the bag.
+    pub(super) notes: Vec<String>,
 }
 
 /// Where the odometry comes from.
@@ -49,12 +54,25 @@ impl Roles {
         // A cloud is made a scan of only where there is no laser, or where it is named.
         let lasers = chooser.of(&SCANS[..2]).next().is_some() && options.scan_topic.is_none();
         let kinds = if lasers { &SCANS[..2] } else { &SCANS };
-        let scans = chooser.choose("--scan-topic", &options.scan_topic, kinds, "scans")?;
+        let names = &options.names;
+        let mut notes = Vec::new();
+        let mut missing = |key: &str, name: &str, taken: &str| {
+            notes.push(format!("{key} {name}: not in the bag, {taken} taken"));
+        };
+        let asked = names.scan_topic.as_deref().filter(|_| options.scan_topic.is_none());
+        let found = asked.and_then(|name| chooser.named(name, &SCANS));
+        let named = options.scan_topic.clone().or(found);
+        let scans = chooser.choose("--scan-topic", &named, kinds, "scans")?;
         let scans = scans.ok_or_else(|| {
             chooser.missing("a topic of type LaserScan, MultiEchoLaserScan or PointCloud2")
         })?;
-        let odometry =
-            chooser.choose("--odom-topic", &options.odom_topic, &ODOMETRY, "odometry")?;
+        if let Some(name) = asked.filter(|name| plain(name) != plain(&scans)) {
+            missing("scan_topic", name, &scans);
+        }
+        // Of several topics, that with the frame.
+        let of_frame = names.odom_frame.as_deref().and_then(|frame| preview.odometry_in(frame));
+        let named = options.odom_topic.clone().or(of_frame);
+        let odometry = chooser.choose("--odom-topic", &named, &ODOMETRY, "odometry")?;
         let (odometry, base) = match odometry {
             Some(topic) => {
                 let child = preview.odometry_frames.get(&topic).map(|(_, child)| child.as_str());
@@ -62,16 +80,46 @@ impl Roles {
                 (OdometryFrom::Topic(topic), child.to_owned())
             }
             None => {
+                let is_named = |frame: &str| Some(frame) == names.odom_frame.as_deref().map(plain);
                 let is_odom = |frame: &str| frame.contains("odom");
-                let (parent, child) = preview.moving_below(is_odom).ok_or_else(|| {
+                let below =
+                    preview.moving_below(is_named).or_else(|| preview.moving_below(is_odom));
+                let (parent, child) = below.ok_or_else(|| {
                     chooser.missing("a topic of type Odometry, or a transform from a frame odom")
                 })?;
                 (OdometryFrom::Transform(parent.to_owned()), child.to_owned())
             }
         };
-        let base = base.trim_start_matches('/').to_owned();
+        let mut base = plain(&base).to_owned();
+        let odom = match &odometry {
+            OdometryFrom::Transform(frame) => Some(frame.as_str()),
+            OdometryFrom::Topic(topic) => {
+                preview.odometry_frames.get(topic).map(|of| of.0.as_str())
+            }
+        };
+        if let (Some(asked), Some(odom)) = (names.odom_frame.as_deref(), odom)
+            && plain(asked) != plain(odom)
+        {
+            missing("odom_frame_id", asked, plain(odom));
+        }
+        let mut base_in_odometry = Pose2::IDENTITY;
+        if let Some(asked) = names.base_frame.as_deref().filter(|name| plain(name) != base) {
+            match preview.frames.lookup(&base, asked, Stamp(0), 0.0) {
+                Ok(place) => {
+                    base_in_odometry = messages::planar(&place);
+                    base = plain(asked).to_owned();
+                }
+                Err(_) => missing("base_frame_id", asked, &base),
+            }
+        }
+        if let Some(asked) = names.map_frame.as_deref() {
+            let has_map = preview.moving_below(|frame| frame == "map").is_some();
+            if has_map && preview.moving_below(|frame| frame == plain(asked)).is_none() {
+                missing("global_frame_id", asked, "map");
+            }
+        }
         let reference = reference(&chooser, preview, options)?;
-        Ok(Roles { scans, odometry, base, reference })
+        Ok(Roles { scans, odometry, base, base_in_odometry, reference, notes })
     }
 }
 
@@ -81,7 +129,10 @@ fn reference(
     preview: &Preview,
     options: &RosOptions,
 ) -> Result<ReferenceFrom> {
-    let map = preview.moving_below(|frame| frame == "map").map(|(map, _)| map.to_owned());
+    let asked = options.names.map_frame.as_deref().map_or("map", plain);
+    let map = preview.moving_below(|frame| frame == asked);
+    let map = map.or_else(|| preview.moving_below(|frame| frame == "map"));
+    let map = map.map(|(map, _)| map.to_owned());
     let named = options.reference_topic.as_deref().map(|name| (name, name.trim_start_matches('/')));
     Ok(match named {
         Some((_, "none")) => ReferenceFrom::Nothing,
@@ -104,6 +155,11 @@ fn reference(
     })
 }
 
+/// Names of ROS 1 may start with a slash.
+fn plain(name: &str) -> &str {
+    name.trim_start_matches('/')
+}
+
 /// Whether the name says that the poses are true.
 fn is_truth(topic: &Topic) -> bool {
     let name = topic.channel.topic.replace('_', "").to_lowercase();
@@ -122,6 +178,12 @@ impl Chooser<'_> {
         self.topics.iter().filter(|topic| topic.count > 0).filter(fits)
     }
 
+    /// The topic with messages of one of several types that has a name.
+    fn named(&self, name: &str, types: &[&str]) -> Option<String> {
+        let topic = self.of(types).find(|topic| plain(&topic.channel.topic) == plain(name));
+        topic.map(|topic| topic.channel.topic.clone())
+    }
+
     /// The topic that is named, or the only one of its types.
     fn choose(
         &self,
@@ -130,7 +192,6 @@ impl Chooser<'_> {
         types: &[&str],
         what: &str,
     ) -> Result<Option<String>> {
-        let plain = |name: &str| name.trim_start_matches('/').to_owned();
         if let Some(named) = named {
             let found = self
                 .topics
