@@ -124,6 +124,7 @@ impl Held {
     }
 
     /// Drives on to a time \[s\], through every moment at which a measurement ceases to hold.
+    // ANCHOR: drive-to
     pub(super) fn drive_to(&mut self, stamp: f64) -> Result<()> {
         let longest = PIECE.max((stamp - self.stamp) / MOST_PIECES);
         while self.stamp < stamp {
@@ -143,6 +144,7 @@ impl Held {
         }
         Ok(())
     }
+    // ANCHOR_END: drive-to
 
     fn piece(&mut self, end: f64) -> Result<()> {
         let dt = end - self.stamp;

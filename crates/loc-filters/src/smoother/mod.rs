@@ -170,6 +170,7 @@ impl<const N: usize> Smoother<N> {
         Ok(backwards)
     }
 
+    // ANCHOR: step-back
     fn step_back(
         &self,
         filtered: &Gaussian<N>,
@@ -208,6 +209,7 @@ impl<const N: usize> Smoother<N> {
         };
         Ok(Gaussian { mean, covariance })
     }
+    // ANCHOR_END: step-back
 }
 
 fn symmetric<const N: usize>(matrix: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {

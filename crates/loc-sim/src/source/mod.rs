@@ -105,6 +105,7 @@ pub struct OdometryTiming {
 }
 
 /// A stream of events in order of arrival.
+// ANCHOR: source
 pub trait Source {
     /// What is known before the first event.
     fn setup(&self) -> &Setup;
@@ -141,3 +142,4 @@ pub trait Source {
         true
     }
 }
+// ANCHOR_END: source

@@ -17,12 +17,14 @@ mod figures;
 #[cfg(feature = "cli")]
 mod fit_beam;
 mod fusion;
+mod guide;
 mod histogram;
 mod ids;
 mod landmark_mcl;
 mod layering;
 mod line_matching;
 #[cfg(feature = "cli")]
+mod manners;
 mod map;
 mod mcl_accuracy;
 mod metrics;
@@ -36,6 +38,7 @@ mod replay;
 mod report;
 mod ros;
 mod scenarios;
+mod seeds;
 mod sense;
 mod slam;
 mod slam_recordings;

@@ -27,13 +27,8 @@ fn replayed(bag: &str, map: &str, start: Start, seed: u64, noise: bool) -> Optio
     let global = matches!(start, Start::Anywhere);
     let start_sigmas = [0.2, 0.2, 5_f64.to_radians()];
     let options = ReplayOptions { map, start, start_sigmas, ..ReplayOptions::default() };
-    let degrees = |sigma: f64| sigma.to_radians().powi(2);
     // `--odom-noise 0.05,3,1`
-    let drift = VelocityNoise {
-        k_d: 0.05 * 0.05,
-        k_theta: degrees(3.0) / std::f64::consts::TAU,
-        k_drift: degrees(1.0),
-    };
+    let drift = VelocityNoise::from_sigmas(0.05, 3_f64.to_radians(), 1_f64.to_radians()).unwrap();
     let ros = RosOptions {
         odometry_delay: OdometryDelay::Estimated,
         odometry_noise: noise.then_some((drift, seed)),
@@ -87,7 +82,7 @@ fn ten_seeds_of_each_bag_reach_its_figure() {
         return;
     }
     for start in [Start::At(Pose2::IDENTITY), Start::Anywhere] {
-        let fits = |seed: &u64| turtlebot4(start.clone(), *seed).unwrap() >= 0.9;
+        let fits = |seed: &u64| turtlebot4(start, *seed).unwrap() >= 0.9;
         assert!((1..=10).filter(fits).count() >= 9);
     }
     for seed in 1..=10 {

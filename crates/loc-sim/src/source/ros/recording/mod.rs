@@ -8,6 +8,7 @@
 //! Messages come in order of arrival, but belong to the time of their stamps: a scan waits until
 //! the odometry has passed its stamp, and gets the pose that lies between the two around it.
 
+mod beside;
 mod counts;
 mod delay;
 mod join;
@@ -17,6 +18,7 @@ mod order;
 mod preview;
 mod roles;
 mod scan;
+mod take;
 
 pub use options::{OdometryDelay, RosNames, RosOptions};
 

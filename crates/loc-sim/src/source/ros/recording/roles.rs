@@ -3,8 +3,13 @@
 use super::{Preview, RosOptions, unsuitable};
 use crate::Result;
 use crate::source::ros::messages::{
+<<<<<<< HEAD
     self, LaserScan, Message, MultiEchoLaserScan, Odometry, PointCloud2, PoseStamped,
     PoseWithCovarianceStamped, Stamp,
+=======
+    Imu, LaserScan, Message, MultiEchoLaserScan, NavSatFix, Odometry, PointCloud2, PoseStamped,
+    PoseWithCovarianceStamped,
+>>>>>>> main
 };
 use crate::source::ros::survey::Topic;
 use loc_core::Pose2;
@@ -20,8 +25,16 @@ pub(super) struct Roles {
     /// Where that frame is in the one that the odometry is about.
     pub(super) base_in_odometry: Pose2,
     pub(super) reference: ReferenceFrom,
+<<<<<<< HEAD
     /// Names that were asked for and are not in the bag.
     pub(super) notes: Vec<String>,
+=======
+    /// The topic of an inertial unit, and of a satellite receiver.
+    pub(super) inertial: Option<String>,
+    pub(super) satellites: Option<String>,
+    /// Topics that nobody has chosen from, as lines for the user.
+    pub(super) not_chosen: Vec<String>,
+>>>>>>> main
 }
 
 /// Where the odometry comes from.
@@ -119,7 +132,24 @@ impl Roles {
             }
         }
         let reference = reference(&chooser, preview, options)?;
+<<<<<<< HEAD
         Ok(Roles { scans, odometry, base, base_in_odometry, reference, notes })
+=======
+        let mut roles = Roles {
+            scans,
+            odometry,
+            base,
+            reference,
+            inertial: None,
+            satellites: None,
+            not_chosen: Vec::new(),
+        };
+        let several = &mut roles.not_chosen;
+        roles.inertial = chooser.beside("--imu-topic", &options.imu_topic, Imu::NAME, several)?;
+        roles.satellites =
+            chooser.beside("--fix-topic", &options.fix_topic, NavSatFix::NAME, several)?;
+        Ok(roles)
+>>>>>>> main
     }
 }
 
@@ -220,6 +250,30 @@ impl Chooser<'_> {
                 Err(unsuitable(self.path, expected, several.join(", ")))
             }
         }
+    }
+
+    /// The topic of a sensor that nobody has to have: the one named, where it is not `none`, or
+    /// the only one. Several are left out, and a line for the user goes into `several`.
+    fn beside(
+        &self,
+        option: &str,
+        named: &Option<String>,
+        kind: &str,
+        several: &mut Vec<String>,
+    ) -> Result<Option<String>> {
+        match named.as_deref() {
+            Some("none") => return Ok(None),
+            Some(_) => return self.choose(option, named, &[kind], "a sensor"),
+            None => {}
+        }
+        let kinds = [kind];
+        let topics: Vec<&str> = self.of(&kinds).map(|topic| topic.channel.topic.as_str()).collect();
+        if topics.len() > 1 {
+            let topics = topics.join(", ");
+            several.push(format!("{topics} are left out: {option} chooses one of them"));
+            return Ok(None);
+        }
+        Ok(topics.first().map(|topic| (*topic).to_owned()))
     }
 
     fn missing(&self, expected: &str) -> crate::Error {
