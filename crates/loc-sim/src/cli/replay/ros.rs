@@ -52,12 +52,9 @@ impl RosArgs {
             scan_topic: self.scan_topic.clone(),
             odom_topic: self.odom_topic.clone(),
             reference_topic: self.reference_topic.clone(),
-<<<<<<< HEAD
             names: RosNames::default(),
-=======
             imu_topic: self.imu_topic.clone(),
             fix_topic: self.fix_topic.clone(),
->>>>>>> main
             mounting: self.laser_mounting.as_ref().map(pose).transpose()?,
             odometry_delay: self.odom_delay.map_or(Ok(OdometryDelay::Estimated), known)?,
             odometry_noise: self.odom_noise.as_ref().map(noise).transpose()?,

@@ -34,7 +34,7 @@ impl MeasuredDelay {
             match entry.what {
                 What::Odometry(pose) => estimator.odometry(entry.stamp, pose),
                 What::Scan(scan) => estimator.scan(entry.stamp, &scan.scan, scan.mounting),
-                What::Truth(_) => {}
+                What::Truth(_) | What::Measured(_) => {}
             }
         }
         let found = estimator.estimate();

@@ -28,13 +28,8 @@ pub(super) struct Join {
     bag: Box<dyn MessageReader>,
     pub(super) roles: Roles,
     mounting: Option<Pose2>,
-<<<<<<< HEAD
     pub(super) delay: MeasuredDelay,
-    frames: TransformBuffer,
-=======
-    odometry_delay: i64,
     pub(super) frames: TransformBuffer,
->>>>>>> main
     noise: Option<NoisyOdometry>,
     pub(super) satellites: Satellites,
     /// Odometry around what waits, in order of time; `passed` of it are given out.
@@ -214,15 +209,10 @@ impl Join {
                 Some(format!("reference: the recorded transform from {map}, itself an estimate"))
             }
         };
-<<<<<<< HEAD
-        let names = self.roles.notes.iter().cloned();
         let notes = self.bag.notes().into_iter().chain(reference).chain(self.delay.note());
-        notes.chain(names).chain(self.counts.notes()).collect()
-=======
-        let notes = self.bag.notes().into_iter().chain(reference).chain(self.satellites.note());
-        let notes = notes.chain(self.roles.not_chosen.iter().cloned());
+        let notes =
+            notes.chain(self.satellites.note()).chain(self.roles.not_chosen.iter().cloned());
         notes.chain(self.counts.notes()).collect()
->>>>>>> main
     }
 }
 

@@ -12,6 +12,7 @@ mod beside;
 mod counts;
 mod delay;
 mod join;
+mod names;
 mod noise;
 mod options;
 mod order;

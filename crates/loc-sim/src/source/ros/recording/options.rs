@@ -57,15 +57,12 @@ pub struct RosOptions {
     /// The topic with the true poses, `/tf` for the transform from the map that was recorded, or
     /// `none`; found by its name where left out.
     pub reference_topic: Option<String>,
-<<<<<<< HEAD
     /// Names to use where the bag has them and nothing else is said.
     pub names: RosNames,
-=======
     /// The topic of the inertial unit, or `none`; the only one of its type where left out.
     pub imu_topic: Option<String>,
     /// The topic of the satellite receiver, or `none`; the only one of its type where left out.
     pub fix_topic: Option<String>,
->>>>>>> main
     /// Where the laser sits on the robot, in place of what the transforms say.
     pub mounting: Option<Pose2>,
     /// What is added to the stamps of the odometry.

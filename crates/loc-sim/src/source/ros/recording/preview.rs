@@ -75,6 +75,11 @@ impl Preview {
         }
     }
 
+    /// Whether one frame moves in another.
+    pub(super) fn moves(&self, parent: &str, child: &str) -> bool {
+        self.moving.contains(&(parent.to_owned(), child.to_owned()))
+    }
+
     /// The only topic of odometry in a frame.
     pub(super) fn odometry_in(&self, frame: &str) -> Option<String> {
         let plain = |frame: &str| frame.trim_start_matches('/').to_owned();

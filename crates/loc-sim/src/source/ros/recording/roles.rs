@@ -1,15 +1,11 @@
 //! Which topic is what.
 
+use super::names;
 use super::{Preview, RosOptions, unsuitable};
 use crate::Result;
 use crate::source::ros::messages::{
-<<<<<<< HEAD
-    self, LaserScan, Message, MultiEchoLaserScan, Odometry, PointCloud2, PoseStamped,
-    PoseWithCovarianceStamped, Stamp,
-=======
     Imu, LaserScan, Message, MultiEchoLaserScan, NavSatFix, Odometry, PointCloud2, PoseStamped,
     PoseWithCovarianceStamped,
->>>>>>> main
 };
 use crate::source::ros::survey::Topic;
 use loc_core::Pose2;
@@ -25,16 +21,11 @@ pub(super) struct Roles {
     /// Where that frame is in the one that the odometry is about.
     pub(super) base_in_odometry: Pose2,
     pub(super) reference: ReferenceFrom,
-<<<<<<< HEAD
-    /// Names that were asked for and are not in the bag.
-    pub(super) notes: Vec<String>,
-=======
     /// The topic of an inertial unit, and of a satellite receiver.
     pub(super) inertial: Option<String>,
     pub(super) satellites: Option<String>,
-    /// Topics that nobody has chosen from, as lines for the user.
+    /// Topics that nobody has chosen from, and names that were asked for and are not there, as lines for the user.
     pub(super) not_chosen: Vec<String>,
->>>>>>> main
 }
 
 /// Where the odometry comes from.
@@ -69,9 +60,6 @@ impl Roles {
         let kinds = if lasers { &SCANS[..2] } else { &SCANS };
         let names = &options.names;
         let mut notes = Vec::new();
-        let mut missing = |key: &str, name: &str, taken: &str| {
-            notes.push(format!("{key} {name}: not in the bag, {taken} taken"));
-        };
         let asked = names.scan_topic.as_deref().filter(|_| options.scan_topic.is_none());
         let found = asked.and_then(|name| chooser.named(name, &SCANS));
         let named = options.scan_topic.clone().or(found);
@@ -80,7 +68,7 @@ impl Roles {
             chooser.missing("a topic of type LaserScan, MultiEchoLaserScan or PointCloud2")
         })?;
         if let Some(name) = asked.filter(|name| plain(name) != plain(&scans)) {
-            missing("scan_topic", name, &scans);
+            notes.push(names::missing("scan_topic", name, &scans));
         }
         // Of several topics, that with the frame.
         let of_frame = names.odom_frame.as_deref().and_then(|frame| preview.odometry_in(frame));
@@ -100,56 +88,30 @@ impl Roles {
                 let (parent, child) = below.ok_or_else(|| {
                     chooser.missing("a topic of type Odometry, or a transform from a frame odom")
                 })?;
+                let asked = names.base_frame.as_deref().map(plain);
+                let child = asked.filter(|base| preview.moves(parent, base)).unwrap_or(child);
                 (OdometryFrom::Transform(parent.to_owned()), child.to_owned())
             }
         };
-        let mut base = plain(&base).to_owned();
-        let odom = match &odometry {
-            OdometryFrom::Transform(frame) => Some(frame.as_str()),
-            OdometryFrom::Topic(topic) => {
-                preview.odometry_frames.get(topic).map(|of| of.0.as_str())
-            }
-        };
-        if let (Some(asked), Some(odom)) = (names.odom_frame.as_deref(), odom)
-            && plain(asked) != plain(odom)
-        {
-            missing("odom_frame_id", asked, plain(odom));
-        }
-        let mut base_in_odometry = Pose2::IDENTITY;
-        if let Some(asked) = names.base_frame.as_deref().filter(|name| plain(name) != base) {
-            match preview.frames.lookup(&base, asked, Stamp(0), 0.0) {
-                Ok(place) => {
-                    base_in_odometry = messages::planar(&place);
-                    base = plain(asked).to_owned();
-                }
-                Err(_) => missing("base_frame_id", asked, &base),
-            }
-        }
-        if let Some(asked) = names.map_frame.as_deref() {
-            let has_map = preview.moving_below(|frame| frame == "map").is_some();
-            if has_map && preview.moving_below(|frame| frame == plain(asked)).is_none() {
-                missing("global_frame_id", asked, "map");
-            }
-        }
+        let (base, base_in_odometry) =
+            names::base(names, preview, &odometry, plain(&base), &mut notes);
+        names::check(names, preview, &odometry, &mut notes);
         let reference = reference(&chooser, preview, options)?;
-<<<<<<< HEAD
-        Ok(Roles { scans, odometry, base, base_in_odometry, reference, notes })
-=======
         let mut roles = Roles {
             scans,
             odometry,
             base,
+            base_in_odometry,
             reference,
             inertial: None,
             satellites: None,
-            not_chosen: Vec::new(),
+            not_chosen: notes,
         };
         let several = &mut roles.not_chosen;
         roles.inertial = chooser.beside("--imu-topic", &options.imu_topic, Imu::NAME, several)?;
         roles.satellites =
             chooser.beside("--fix-topic", &options.fix_topic, NavSatFix::NAME, several)?;
         Ok(roles)
->>>>>>> main
     }
 }
 
@@ -186,7 +148,7 @@ fn reference(
 }
 
 /// Names of ROS 1 may start with a slash.
-fn plain(name: &str) -> &str {
+pub(super) fn plain(name: &str) -> &str {
     name.trim_start_matches('/')
 }
 
