@@ -29,7 +29,7 @@ impl Default for DelaySettings {
             shortest_step: 0.08,
             longest_step: 0.5,
             change_of_rate: 0.1,
-            points: 240,
+            points: 180,
             pairs: 400,
         }
     }

@@ -152,7 +152,9 @@ impl Mcl {
     pub fn range_offset(&self) -> f64 {
         match self.settings.range_offset {
             RangeOffset::Fixed(offset) => offset,
-            RangeOffset::Estimated => self.offset.significant(),
+            RangeOffset::Estimated => {
+                self.offset.significant(self.surroundings.field.frame().resolution())
+            }
         }
     }
 
