@@ -39,6 +39,8 @@ pub struct AmclParameters {
     pub start_sigmas: [Option<f64>; 3],
     /// Names of topics and frames, for bags.
     pub names: RosNames,
+    /// The names as warnings, for recordings that are no bags.
+    pub without_bag: Vec<String>,
     /// The keys that change nothing, a line each, with the reason.
     pub warnings: Vec<String>,
 }

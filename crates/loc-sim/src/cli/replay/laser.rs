@@ -17,10 +17,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::Result<Replay> {
-    let Configuration { settings, mut options, names } = configuration(args)?;
+    let Configuration { settings, mut options, names, without_bag } = configuration(args)?;
     if format != Format::Ros {
-        for (key, name) in names.given() {
-            eprintln!("warning: {key}: {name}: only a bag has names");
+        for warning in &without_bag {
+            eprintln!("warning: {warning}");
         }
     }
     if let Some(text) = &args.initial_pose {
@@ -74,6 +74,8 @@ struct Configuration {
     options: ReplayOptions,
     /// Of topics and frames, in the parameters of nav2_amcl.
     names: RosNames,
+    /// Warnings about them where there is no bag.
+    without_bag: Vec<String>,
 }
 
 /// What the configuration says, TOML or the parameters of nav2_amcl.
@@ -87,7 +89,7 @@ fn configuration(args: &ReplayArgs) -> Result<Configuration> {
     let start_sigmas = config.start.sigmas()?;
     let settings = MethodSettings { seed: SEED, ..config.settings()? };
     let options = ReplayOptions { start_sigmas, ..ReplayOptions::default() };
-    Ok(Configuration { settings, options, names: RosNames::default() })
+    Ok(Configuration { settings, options, names: RosNames::default(), without_bag: Vec::new() })
 }
 
 /// What a parameter file of nav2_amcl says, with changes of the keys that a TOML file has.
@@ -116,7 +118,8 @@ fn parameters(file: &Path, changes: &[String]) -> Result<Configuration> {
     };
     let seed = given.seed.unwrap_or(SEED);
     let settings = MethodSettings { mcl, seed, ..MethodSettings::default() };
-    Ok(Configuration { settings, options, names: given.names })
+    let AmclParameters { names, without_bag, .. } = given;
+    Ok(Configuration { settings, options, names, without_bag })
 }
 
 fn is_yaml(file: &Path) -> bool {

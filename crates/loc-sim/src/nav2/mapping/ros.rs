@@ -6,10 +6,17 @@ use crate::nav2::given::Given;
 
 pub(super) fn ros(given: &mut Given, parameters: &mut AmclParameters) -> Result<()> {
     let names = &mut parameters.names;
-    names.scan_topic = given.name("scan_topic")?;
-    names.base_frame = given.name("base_frame_id")?;
-    names.odom_frame = given.name("odom_frame_id")?;
-    names.map_frame = given.name("global_frame_id")?;
+    for (key, name, reason) in [
+        ("scan_topic", &mut names.scan_topic, "a recording has one laser"),
+        ("base_frame_id", &mut names.base_frame, "a recording names no frames"),
+        ("odom_frame_id", &mut names.odom_frame, "a recording names no frames"),
+        ("global_frame_id", &mut names.map_frame, "a recording names no frames"),
+    ] {
+        if let Some(found) = given.name(key)? {
+            parameters.without_bag.push(given.warning(found.line, key, reason));
+            *name = Some(found.value);
+        }
+    }
     given.pass_over(&["map_topic"], "the map comes from --map");
     given.pass_over(&["transform_tolerance", "tf_broadcast"], "nothing is broadcast");
     given.pass_over(&["always_reset_initial_pose"], "a run is never reset");

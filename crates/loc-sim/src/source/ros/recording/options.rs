@@ -34,19 +34,6 @@ pub struct RosNames {
     pub map_frame: Option<String>,
 }
 
-impl RosNames {
-    /// The names with what a parameter file calls them.
-    pub fn given(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        let all = [
-            ("scan_topic", &self.scan_topic),
-            ("base_frame_id", &self.base_frame),
-            ("odom_frame_id", &self.odom_frame),
-            ("global_frame_id", &self.map_frame),
-        ];
-        all.into_iter().filter_map(|(key, name)| Some((key, name.as_deref()?)))
-    }
-}
-
 /// What is not found in a bag by itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RosOptions {
