@@ -107,10 +107,16 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
     /// # Errors
     /// [`crate::Error::NotFinite`] where the model leads to NaN or infinity; the belief is kept.
     pub fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
-        let LinearizedMotion { state, jacobian, noise } = motion.linearize(&self.belief.mean);
-        finite("predicted state", &state)?;
-        self.belief.mean = state;
-        self.belief.covariance = update::propagate(&jacobian, &self.belief.covariance, &noise);
+        let linear = motion.linearize(&self.belief.mean);
+        self.follow(&linear)
+    }
+
+    /// Prediction by a motion that is linearised already.
+    pub(crate) fn follow(&mut self, motion: &LinearizedMotion<N>) -> Result<()> {
+        finite("predicted state", &motion.state)?;
+        let (jacobian, noise) = (&motion.jacobian, &motion.noise);
+        self.belief.mean = motion.state;
+        self.belief.covariance = update::propagate(jacobian, &self.belief.covariance, noise);
         self.wrap_angles();
         Ok(())
     }
