@@ -28,12 +28,14 @@ pub fn inverse_cdf<T, R: Rng + ?Sized>(quantile: impl FnOnce(f64) -> T, rng: &mu
 
 /// Two independent draws from the standard normal distribution, by the method of Box and Muller
 /// (1958): exact, at the price of a logarithm, a root, a sine and a cosine.
+// ANCHOR: box-muller
 pub fn box_muller<R: Rng + ?Sized>(rng: &mut R) -> (f64, f64) {
     let (u1, u2): (f64, f64) = (rng.sample(Open01), rng.sample(Open01));
     let radius = (-2.0 * u1.ln()).sqrt();
     let (sin, cos) = (TAU * u2).sin_cos();
     (radius * cos, radius * sin)
 }
+// ANCHOR_END: box-muller
 
 /// Nearly a normal draw with mean 0 and standard deviation `sigma`, by the twelve rule
 /// `1/2 sum_12 U(-b, b)`; the literature calls `sigma` b.

@@ -126,6 +126,7 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
     /// # Errors
     /// [`crate::Error::NotFinite`] for the measurement, and [`loc_core::Error::NotACovariance`]
     /// where the innovation's covariance is not positive definite; the belief is kept.
+    // ANCHOR: correct
     pub fn correct<const M: usize>(
         &mut self,
         sensor: &impl MeasurementModel<N, M>,
@@ -140,6 +141,7 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
         self.wrap_angles();
         Ok(innovation)
     }
+    // ANCHOR_END: correct
 
     fn wrap_angles(&mut self) {
         for &index in self.angles {

@@ -49,6 +49,7 @@ pub enum Control {
 /// What a sensor measured.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
+// ANCHOR: measurement
 pub enum Measurement {
     /// Landmarks seen at one moment, any number of them.
     Landmarks(Vec<Sighting>),
@@ -73,6 +74,7 @@ pub enum Measurement {
         position: f64,
     },
 }
+// ANCHOR_END: measurement
 
 /// Where the robot really was.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -26,9 +26,11 @@ impl Differential {
     }
 
     /// The robot's velocity from the rim speeds of the wheels \[m/s\].
+    // ANCHOR: differential
     pub fn twist(&self, left: f64, right: f64) -> Twist2 {
         Twist2::forward(0.5 * (right + left), (right - left) / self.track)
     }
+    // ANCHOR_END: differential
 
     /// Derivative of (vx, vy, omega) over (left, right), 3 x 2.
     pub fn jacobian(&self) -> Matrix3x2<f64> {

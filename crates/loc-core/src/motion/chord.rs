@@ -32,6 +32,7 @@ impl Chord {
 
     /// The exact arc about the instantaneous centre of rotation:
     /// (sin phi / phi, (1 - cos phi) / phi).
+    // ANCHOR: exact-arc
     pub fn exact(phi: f64) -> Self {
         if phi.abs() < SMALL_TURN {
             let p2 = phi * phi;
@@ -42,6 +43,7 @@ impl Chord {
         let (sin, cos) = phi.sin_cos();
         Chord { along: sin / phi, across: (1.0 - cos) / phi }
     }
+    // ANCHOR_END: exact-arc
 
     /// Derivative of [`midpoint`](Chord::midpoint) over `phi`.
     pub fn midpoint_slope(phi: f64) -> Self {

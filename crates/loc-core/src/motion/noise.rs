@@ -55,6 +55,7 @@ impl VelocityNoise {
     ///
     /// A drive that reports no sideways speed has no error of it; one that slides (Mecanum) has
     /// `k_d/T` times the speed in each direction of travel. A step without length has none.
+    // ANCHOR: velocity-noise
     pub fn variances(&self, twist: Twist2, dt: f64) -> Vector3<f64> {
         if dt <= 0.0 {
             return Vector3::zeros();
@@ -66,6 +67,7 @@ impl VelocityNoise {
             per_time * (self.k_theta * twist.omega.abs() + self.k_drift * twist.speed()),
         )
     }
+    // ANCHOR_END: velocity-noise
 
     /// Sigma_u: the diagonal matrix of [`variances`](VelocityNoise::variances).
     pub fn covariance(&self, twist: Twist2, dt: f64) -> Matrix3<f64> {

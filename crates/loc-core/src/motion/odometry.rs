@@ -38,6 +38,7 @@ impl OdometryMotion {
     /// The step that leads from one odometry pose to the next.
     ///
     /// A drive backwards keeps its small turns and gets a negative distance.
+    // ANCHOR: odometry-step
     pub fn between(from: Pose2, to: Pose2) -> Self {
         let step = from.between(to);
         let distance = f64::hypot(step.x, step.y);
@@ -55,6 +56,7 @@ impl OdometryMotion {
         };
         OdometryMotion { rot1, trans, rot2: angle::difference(step.theta, rot1) }
     }
+    // ANCHOR_END: odometry-step
 
     /// The pose after this step from `pose`.
     pub fn apply(self, pose: Pose2) -> Pose2 {
@@ -77,6 +79,7 @@ impl OdometryMotion {
     }
 
     /// Variances of (rot1, trans, rot2) under the given noise.
+    // ANCHOR: odometry-noise
     pub fn variances(self, noise: &OdometryNoise) -> Vector3<f64> {
         let [r1, t, r2] = [self.rot1, self.trans, self.rot2].map(|v| v * v);
         Vector3::new(
@@ -85,6 +88,7 @@ impl OdometryMotion {
             noise.alpha1 * r2 + noise.alpha2 * t,
         )
     }
+    // ANCHOR_END: odometry-noise
 
     /// A step drawn from the noise around this one.
     pub fn sample<R: Rng + ?Sized>(self, noise: &OdometryNoise, rng: &mut R) -> Self {

@@ -7,6 +7,7 @@ use crate::{Gaussian, Pose2};
 /// `S' = F_x S F_x^T + F_u S_u F_u^T`.
 ///
 /// `belief` is over (x, y, theta) \[m, m, rad\], `dt` in \[s\].
+// ANCHOR: dead-reckon
 pub fn dead_reckon(
     belief: &Gaussian<3>,
     twist: Twist2,
@@ -21,3 +22,4 @@ pub fn dead_reckon(
         + f_u * noise.covariance(twist, dt) * f_u.transpose();
     Gaussian { mean: moved.to_vector(), covariance: 0.5 * (covariance + covariance.transpose()) }
 }
+// ANCHOR_END: dead-reckon

@@ -99,6 +99,7 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
     }
 
     /// Drives on to a time \[s\], through every moment at which a measurement ceases to hold.
+    // ANCHOR: drive-to
     pub(super) fn drive_to(&mut self, stamp: f64) -> Result<()> {
         let longest = PIECE.max((stamp - self.stamp) / MOST_PIECES);
         while self.stamp < stamp {
@@ -118,6 +119,7 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
         }
         Ok(())
     }
+    // ANCHOR_END: drive-to
 
     fn piece(&mut self, end: f64) -> Result<()> {
         let dt = end - self.stamp;

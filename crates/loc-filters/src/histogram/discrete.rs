@@ -52,6 +52,7 @@ impl<T: Clone> DiscreteFilter<T> {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for a transition that is no probability, and where they do
     /// not add up to 1 within 1e-9; the belief is kept then.
+    // ANCHOR: predict
     pub fn predict(&mut self, transition: impl Fn(&T, &T) -> f64) -> Result<()> {
         let states = self.belief.outcomes();
         let mut after = vec![0.0; states.len()];
@@ -68,6 +69,7 @@ impl<T: Clone> DiscreteFilter<T> {
         self.belief = Discrete::from_weights(states.iter().cloned().zip(after))?;
         Ok(())
     }
+    // ANCHOR_END: predict
 
     /// A measurement: `likelihood(state)` is P(measurement | state), up to a common factor. Returns
     /// the logarithm of P(measurement).

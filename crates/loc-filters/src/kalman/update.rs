@@ -22,6 +22,7 @@ pub(crate) fn propagate<const N: usize>(
 ///
 /// The gain is solved from the Cholesky factor of `S = H P H^T + R`; nothing is inverted.
 #[inline]
+// ANCHOR: correct
 pub(crate) fn correct<const N: usize, const M: usize>(
     belief: &mut Gaussian<N>,
     residual: SVector<f64, M>,
@@ -44,3 +45,4 @@ pub(crate) fn correct<const N: usize, const M: usize>(
     }
     Ok(innovation)
 }
+// ANCHOR_END: correct

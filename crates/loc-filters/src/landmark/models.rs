@@ -73,6 +73,7 @@ impl RangeBearingModel {
 }
 
 impl View {
+    // ANCHOR: range-bearing
     fn predict(&self) -> Vector2<f64> {
         let (dx, dy) = self.way;
         let range = (dx * dx + dy * dy).sqrt();
@@ -88,6 +89,7 @@ impl View {
         let bearing_by_theta = -1.0 - (ux * lever_x + uy * lever_y) * per_r;
         Matrix2x3::new(-ux, -uy, range_by_theta, uy * per_r, -ux * per_r, bearing_by_theta)
     }
+    // ANCHOR_END: range-bearing
 }
 
 impl MeasurementModel<3, 2> for RangeBearingModel {

@@ -25,6 +25,7 @@ const STEPS: usize = 50;
 /// Those of [`Range::check`], [`loc_core::Error::OutOfRange`] for a start that is not finite, and
 /// [`Error::NoRoot`] where the method does not settle: the circles do not meet, or the start lies
 /// on the line (plane) through the landmarks, from which no way leads to either side.
+// ANCHOR: newton
 pub fn newton<const D: usize>(
     ranges: &[Range<D>; D],
     start: Point<f64, D>,
@@ -55,6 +56,7 @@ pub fn newton<const D: usize>(
     }
     Err(Error::NoRoot { start: format!("{:?}", start.coords.as_slice()) })
 }
+// ANCHOR_END: newton
 
 /// The largest number that takes part, to judge rounding by.
 fn size<const D: usize>(ranges: &[Range<D>; D], place: &Point<f64, D>) -> f64 {

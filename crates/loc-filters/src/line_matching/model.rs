@@ -66,6 +66,7 @@ impl MeasurementModel<3, 2> for LineModel {
     }
 
     /// Rows `[-cos A, -sin A, .]`, whose last column is the scanner's swing, and `[0, 0, -1]`.
+    // ANCHOR: line-jacobian
     fn jacobian(&self, state: &Vector3<f64>) -> Matrix2x3<f64> {
         let (_, side) = self.distance_and_side(state);
         let (sin, cos) = self.normal.alpha.sin_cos();
@@ -73,6 +74,7 @@ impl MeasurementModel<3, 2> for LineModel {
         let swing = lever.y * cos - lever.x * sin;
         Matrix2x3::new(-side * cos, -side * sin, side * swing, 0.0, 0.0, -1.0)
     }
+    // ANCHOR_END: line-jacobian
 
     fn noise(&self, _expected: &Vector2<f64>) -> Matrix2<f64> {
         self.noise

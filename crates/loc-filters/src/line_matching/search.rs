@@ -29,6 +29,7 @@ struct PairSet {
 }
 
 /// The most likely set of pairs.
+// ANCHOR: most-likely
 pub(super) fn most_likely(
     lines: &Lines<'_>,
     belief: &Gaussian<3>,
@@ -50,6 +51,7 @@ pub(super) fn most_likely(
     }
     Ok(best.pairs)
 }
+// ANCHOR_END: most-likely
 
 /// Pairs that somebody else has found, in the order in which a set of them grows, without those
 /// that do not fit it.

@@ -125,6 +125,7 @@ impl LinearSlam {
         Ok(innovations)
     }
 
+    // ANCHOR: judge
     fn judge(
         &self,
         landmark: usize,
@@ -144,6 +145,7 @@ impl LinearSlam {
         }
         Ok(innovation)
     }
+    // ANCHOR_END: judge
 
     /// A sighting of a number that the state did not have when its group began.
     fn welcome(&mut self, sighting: &RelativeSighting) -> Result<Option<Innovation<2>>> {

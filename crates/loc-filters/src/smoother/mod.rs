@@ -210,6 +210,7 @@ impl<const N: usize> Smoother<N> {
         Ok(backwards)
     }
 
+    // ANCHOR: step-back
     fn step_back(
         &self,
         filtered: &Gaussian<N>,
@@ -234,6 +235,7 @@ impl<const N: usize> Smoother<N> {
         let covariance = propagate(&kept, &before, &learnt);
         Ok(Gaussian { mean, covariance })
     }
+    // ANCHOR_END: step-back
 
     fn wrapped(&self, mut state: SVector<f64, N>) -> SVector<f64, N> {
         for &index in self.angles {

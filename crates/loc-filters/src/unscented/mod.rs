@@ -135,6 +135,7 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
     /// [`Error::NotFinite`] for the measurement or what the model expects,
     /// [`Error::LostPositivity`] for a covariance that is none any more, and
     /// [`loc_core::Error::NotACovariance`] for that of the innovation; the belief is kept.
+    // ANCHOR: correct
     pub fn correct<const M: usize>(
         &mut self,
         sensor: &impl MeasurementModel<N, M>,
@@ -160,6 +161,7 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
         self.steps += 1;
         Ok(innovation)
     }
+    // ANCHOR_END: correct
 
     /// The sigma points, and the square root L of the covariance that they stand along.
     fn points(&self) -> Result<(Points<SVector<f64, N>, N>, SMatrix<f64, N, N>)> {

@@ -59,6 +59,7 @@ impl GridMapper {
     /// # Errors
     /// Those of [`LaserScan::check`], and [`loc_core::Error::OutOfRange`] for a pose that is not
     /// finite.
+    // ANCHOR: add
     pub fn add(&mut self, map_from_sensor: Pose2, scan: &LaserScan) -> Result<()> {
         scan.check()?;
         for value in [map_from_sensor.x, map_from_sensor.y, map_from_sensor.theta] {
@@ -81,6 +82,7 @@ impl GridMapper {
         }
         Ok(())
     }
+    // ANCHOR_END: add
 
     /// How far a reading says that the way is clear \[m\].
     fn cleared(&self, scan: &LaserScan, range: f64) -> f64 {

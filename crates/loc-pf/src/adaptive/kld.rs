@@ -52,6 +52,7 @@ impl Kld {
     }
 
     /// The same by several threads.
+    // ANCHOR: draw
     pub(crate) fn draw_by<R: Rng + ?Sized>(
         &mut self,
         workers: &Workers,
@@ -88,6 +89,7 @@ impl Kld {
         }
         scheme.spin_by(workers, wheel, needed, rng, indices);
     }
+    // ANCHOR_END: draw
 
     /// In how many bins the particles of the last [`draw`](Kld::draw) were found: all bins of the belief,
     /// up to those that ask for `max_particles`.

@@ -68,6 +68,7 @@ impl Particle {
 
     /// Takes in a group of sightings: finds their landmarks, draws a pose that suits both odometry
     /// and sightings, and corrects each landmark from there.
+    // ANCHOR: take-in
     pub(super) fn take_in(
         &mut self,
         knowledge: &Knowledge<'_>,
@@ -91,6 +92,7 @@ impl Particle {
         }
         Ok(report)
     }
+    // ANCHOR_END: take-in
 
     fn recognize(
         &self,
@@ -134,6 +136,7 @@ impl Particle {
 
     /// Takes a sighting into the distribution that the pose will be drawn from, which is what sets
     /// FastSLAM 2.0 apart: `K = P G_s^T L^-1`, `L = G_s P G_s^T + G_m S G_m^T + R`.
+    // ANCHOR: propose
     fn propose(
         &mut self,
         knowledge: &Knowledge<'_>,
@@ -157,6 +160,7 @@ impl Particle {
         }
         Ok(SlamOutcome { landmark: Some(id), verdict: judged.verdict })
     }
+    // ANCHOR_END: propose
 
     /// Draws the pose; from now on the particle takes it for certain.
     pub(super) fn draw(&mut self, normals: &Vector3<f64>) {

@@ -86,6 +86,7 @@ impl Belief {
     }
 
     /// Sample the motion, weigh, resample: by degrees, or at once.
+    // ANCHOR: track
     fn track(&mut self, step: &Step, scan: &Observation<'_>) -> TemperingReport {
         match &mut self.tempering {
             Some(tempering) => {
@@ -108,6 +109,7 @@ impl Belief {
             }
         }
     }
+    // ANCHOR_END: track
 
     /// Takes in what the scan says about the robot's being elsewhere.
     fn suspect(&mut self, log_evidence: f64, beams: usize) {

@@ -113,6 +113,7 @@ struct Drawn<C> {
 
 impl<C: ChordRule> Step for Drawn<C> {
     #[inline(always)]
+    // ANCHOR: draw
     fn draw(self, [a, b, c]: [f64; 3]) -> Displacement {
         let (mean, l) = (self.step.mean, self.step.factor);
         let forward = mean.x + l.m11 * a;
@@ -121,6 +122,7 @@ impl<C: ChordRule> Step for Drawn<C> {
         let (direction, length) = self.rule.chord(turn);
         Displacement { direction, along: forward * length, across: sideways * length, turn }
     }
+    // ANCHOR_END: draw
 }
 
 impl Motion for VelocityStep {

@@ -87,6 +87,7 @@ impl EntropyFilter {
 /// How much the entropy of a belief b rises by a measurement of likelihood p. After it the belief
 /// is `b p / Z`, so that its entropy is the mean of `ln Z - ln b - ln p` over the new weights
 /// `w p / Z`; before, that of `-ln b` over w.
+// ANCHOR: entropy
 fn change(prior: &[f64], weights: &[f64], ratings: &[f64]) -> f64 {
     let largest = ratings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !largest.is_finite() {
@@ -103,3 +104,4 @@ fn change(prior: &[f64], weights: &[f64], ratings: &[f64]) -> f64 {
     }
     after / total + total.ln() - before
 }
+// ANCHOR_END: entropy

@@ -61,6 +61,7 @@ impl AugmentedMcl {
 
     /// Takes in `ln(mean likelihood of the particles)`; returns the share of the cloud to replace
     /// by random particles, in \[0, 1\].
+    // ANCHOR: augmented
     pub fn update(&mut self, log_evidence: f64) -> f64 {
         if log_evidence.is_nan() {
             return 0.0;
@@ -73,6 +74,7 @@ impl AugmentedMcl {
         // Both averages are -inf where nothing was ever likely.
         if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
     }
+    // ANCHOR_END: augmented
 
     /// Forgets the past, after the cloud was spread anew.
     pub fn reset(&mut self) {

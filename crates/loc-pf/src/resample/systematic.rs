@@ -42,6 +42,7 @@ struct Spokes {
     count: usize,
 }
 
+// ANCHOR: spokes
 impl Spokes {
     /// How many spokes stand before a place of the wheel.
     #[inline(always)]
@@ -54,6 +55,7 @@ impl Spokes {
         ((place * self.per_unit + self.offset) + ROUND).to_bits() as u32
     }
 }
+// ANCHOR_END: spokes
 
 /// Some sectors and the spokes that stand in them.
 struct Part<'a> {

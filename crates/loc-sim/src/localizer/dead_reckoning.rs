@@ -31,6 +31,7 @@ impl DeadReckoning {
     }
 }
 
+// ANCHOR: adapter
 impl Localizer for DeadReckoning {
     fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
         match control {
@@ -55,6 +56,7 @@ impl Localizer for DeadReckoning {
         })
     }
 }
+// ANCHOR_END: adapter
 
 /// The start pose carried along by the poses of an odometry: `map_from_odom` never changes, while
 /// the covariance grows with the way driven and the turning done (E6, E7).

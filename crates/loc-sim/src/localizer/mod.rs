@@ -38,6 +38,7 @@ use loc_sensors::landmark_camera::{Sight, Sighting};
 use nalgebra::{Matrix3, Point2};
 
 /// A method that follows a robot through a stream of events.
+// ANCHOR: localizer
 pub trait Localizer {
     /// Takes in a control that holds from `stamp` \[s\] on.
     ///
@@ -102,6 +103,7 @@ pub trait Localizer {
         None
     }
 }
+// ANCHOR_END: localizer
 
 /// A pose that a method holds possible.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -92,6 +92,7 @@ pub struct TrueError {
 }
 
 /// A stream of events in order of arrival.
+// ANCHOR: source
 pub trait Source {
     /// What is known before the first event.
     fn setup(&self) -> &Setup;
@@ -122,3 +123,4 @@ pub trait Source {
         true
     }
 }
+// ANCHOR_END: source

@@ -17,6 +17,7 @@ mod figures;
 #[cfg(feature = "cli")]
 mod fit_beam;
 mod fusion;
+mod guide;
 mod histogram;
 mod ids;
 mod landmark_mcl;

@@ -226,8 +226,8 @@ mod command {
             let arguments = format!("{command} landmark-drive --method mcl --smooth --out o");
             let output = loc_sim(folder.path(), &arguments);
             let error = String::from_utf8(output.stderr).unwrap();
-            let expected =
-                "error: --smooth: expected a Kalman filter among the methods (kf, ekf), got mcl\n";
+            let expected = "error: --smooth: expected a Kalman filter among the methods (kf, ekf, \
+                            ukf, line-ekf, line-ukf, fusion, fusion-ukf), got mcl\n";
             assert_eq!((output.status.code(), error.as_str()), (Some(1), expected));
         }
     }

@@ -158,6 +158,7 @@ impl Belief {
     }
 
     /// Takes in a scan; what the correction found is handed back.
+    // ANCHOR: correct
     pub(super) fn correct(
         &mut self,
         scan: &Scan,
@@ -190,6 +191,7 @@ impl Belief {
         self.scale_to(1.0);
         correction
     }
+    // ANCHOR_END: correct
 }
 
 /// Adds a fine grid to a coarse one; returns what lies outside of that.

@@ -45,6 +45,7 @@ impl EkfSlam {
     }
 
     /// `H_a P H_b^T` of two looks.
+    // ANCHOR: covariance-between
     pub(super) fn covariance_between(&self, a: &Look, b: &Look) -> Matrix2<f64> {
         let robot = self.state.robot_covariance();
         let (with_a, with_b) = (self.state.cross(a.landmark), self.state.cross(b.landmark));
@@ -53,6 +54,7 @@ impl EkfSlam {
             + a.by_landmark
                 * (with_a.transpose() * b.by_robot.transpose() + map * b.by_landmark.transpose())
     }
+    // ANCHOR_END: covariance-between
 
     /// The covariance of a look's innovation.
     pub(super) fn innovation_covariance(&self, look: &Look) -> Matrix2<f64> {

@@ -42,6 +42,7 @@ impl<const R: usize> LargeState<R> {
     /// # Errors
     /// [`Error::NotFinite`] for the state, [`Error::LostPositivity`] for any part of the covariance;
     /// the state is then as it was.
+    // ANCHOR: correct
     pub(in crate::slam) fn correct(&mut self, rows: &[Row<R>]) -> Result<Correction<R>> {
         let step = self.step + 1;
         let mut correction = self.project(rows)?;
@@ -68,6 +69,7 @@ impl<const R: usize> LargeState<R> {
         self.triangle.subtract(map_gain, map_gain, diagonal);
         Ok(correction)
     }
+    // ANCHOR_END: correct
 
     /// `P H^T` in place of the gains, the factor of S, and the residuals.
     fn project(&self, rows: &[Row<R>]) -> Result<Correction<R>> {

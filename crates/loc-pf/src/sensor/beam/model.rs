@@ -51,6 +51,7 @@ impl BeamModel {
 
     /// The parts of `p(measured | expected)` in the order hit, short, max, random, each with its
     /// share: densities \[1/m\] for a finite `measured`, probabilities for +inf.
+    // ANCHOR: parts
     pub fn parts(&self, expected: f64, measured: f64) -> [f64; 4] {
         let BeamModelSettings { z_hit, z_short, z_max, z_rand, max_range, .. } = self.settings;
         let expects = expected < max_range;
@@ -63,6 +64,7 @@ impl BeamModel {
         let short = if before { z_short * self.short(expected, measured) } else { 0.0 };
         [hit, short, 0.0, z_rand / max_range]
     }
+    // ANCHOR_END: parts
 
     fn hit(&self, expected: f64, measured: f64) -> f64 {
         let sigma = self.settings.sigma_hit;

@@ -59,6 +59,7 @@ impl LandmarkLikelihood {
     }
 }
 
+// ANCHOR: density
 fn density(placed: &Placed, model: &SightModel, pose: Pose2) -> Density {
     let camera = pose * model.mounting;
     let way = placed.landmark - camera.position();
@@ -74,6 +75,7 @@ fn density(placed: &Placed, model: &SightModel, pose: Pose2) -> Density {
     }
     Density { right, wrong: wrong(placed, model) }
 }
+// ANCHOR_END: density
 
 /// Logarithm of the normal densities' product without error, times the share of right sightings.
 pub(super) fn peak(expected_range: Option<f64>, placed: &Placed, model: &SightModel) -> f64 {

@@ -54,6 +54,7 @@ pub struct FieldLikelihood<'a> {
     pub exponent: f64,
 }
 
+// ANCHOR: field
 impl Likelihood for FieldLikelihood<'_> {
     fn rate(&self, poses: Poses<'_>, log_weights: &mut [f64]) {
         add(poses, log_weights, |poses, out| {
@@ -62,6 +63,7 @@ impl Likelihood for FieldLikelihood<'_> {
         });
     }
 }
+// ANCHOR_END: field
 
 /// Adds to each weight what `compute` says of its pose; poses are computed in groups.
 fn add(

@@ -61,6 +61,7 @@ pub fn fit_beam_model(pairs: &[RangePair], start: &BeamModelSettings) -> Result<
 }
 
 /// Steps until they gain nothing more.
+// ANCHOR: climb
 fn climb(pairs: &[RangePair], mut settings: BeamModelSettings) -> Result<FitReport> {
     let mean = |statistics: &Statistics| statistics.log_likelihood / pairs.len() as f64;
     let mut now = Statistics::of(pairs, &BeamModel::new(&settings)?);
@@ -86,6 +87,7 @@ fn climb(pairs: &[RangePair], mut settings: BeamModelSettings) -> Result<FitRepo
     }
     Ok(FitReport { settings, log_likelihoods, pairs: pairs.len(), converged })
 }
+// ANCHOR_END: climb
 
 /// Half the way from one set of parameters to another.
 fn between(a: &BeamModelSettings, b: &BeamModelSettings) -> BeamModelSettings {
