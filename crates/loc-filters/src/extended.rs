@@ -26,7 +26,8 @@
 use crate::Result;
 use crate::innovation::{Gate, Innovation, finite};
 use crate::kalman::update;
-use loc_core::{Gaussian, angle};
+use crate::nonlinear::wrapped;
+use loc_core::Gaussian;
 use nalgebra::{SMatrix, SVector};
 
 /// A motion, linearised at a state.
@@ -144,10 +145,6 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
     // ANCHOR_END: correct
 
     fn wrap_angles(&mut self) {
-        for &index in self.angles {
-            if let Some(value) = self.belief.mean.get_mut(index) {
-                *value = angle::wrap(*value);
-            }
-        }
+        self.belief.mean = wrapped(self.belief.mean, self.angles);
     }
 }

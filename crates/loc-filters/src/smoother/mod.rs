@@ -37,9 +37,10 @@ pub use recorded::{Recordable, Recorded};
 
 use crate::extended::LinearizedMotion;
 use crate::kalman::update::propagate;
+use crate::nonlinear::wrapped;
 use crate::{Error, Result};
 use chain::Chain;
-use loc_core::{Gaussian, angle};
+use loc_core::Gaussian;
 use nalgebra::{SMatrix, SVector};
 
 /// The beliefs of a filter over a drive, with what led from each to the next. A copy of it is cheap.
@@ -237,12 +238,7 @@ impl<const N: usize> Smoother<N> {
     }
     // ANCHOR_END: step-back
 
-    fn wrapped(&self, mut state: SVector<f64, N>) -> SVector<f64, N> {
-        for &index in self.angles {
-            if let Some(value) = state.get_mut(index) {
-                *value = angle::wrap(*value);
-            }
-        }
-        state
+    fn wrapped(&self, state: SVector<f64, N>) -> SVector<f64, N> {
+        wrapped(state, self.angles)
     }
 }

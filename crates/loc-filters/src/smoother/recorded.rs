@@ -1,7 +1,7 @@
 //! Filters that keep their past.
 
-use super::Smoother;
 use super::Link;
+use super::Smoother;
 use crate::kalman::{LinearMeasurement, LinearMotion};
 use crate::{
     Gate, Innovation, KalmanFilter, MeasurementModel, MotionModel, NonlinearFilter, Result,

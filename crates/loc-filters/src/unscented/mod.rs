@@ -37,9 +37,10 @@ mod points;
 use crate::extended::{MeasurementModel, MotionModel};
 use crate::innovation::{Gate, Innovation, finite};
 use crate::kalman::update;
+use crate::nonlinear::wrapped;
 use crate::smoother::Link;
 use crate::{Error, Result};
-use loc_core::{Gaussian, angle};
+use loc_core::Gaussian;
 use nalgebra::{SMatrix, SVector};
 use points::{Points, factor};
 
@@ -173,12 +174,7 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
         Ok((Points::about(&self.belief.mean, &root), root))
     }
 
-    fn wrapped(&self, mut state: SVector<f64, N>) -> SVector<f64, N> {
-        for &index in self.angles {
-            if let Some(value) = state.get_mut(index) {
-                *value = angle::wrap(*value);
-            }
-        }
-        state
+    fn wrapped(&self, state: SVector<f64, N>) -> SVector<f64, N> {
+        wrapped(state, self.angles)
     }
 }

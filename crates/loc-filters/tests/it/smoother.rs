@@ -8,9 +8,7 @@ use loc_filters::extended::LinearizedMotion;
 use loc_filters::kalman::{KalmanFilter, LinearMeasurement, LinearMotion};
 use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, LandmarkSmoother};
 use loc_filters::smoother::{Link, Recorded, Smoother};
-use loc_filters::{
-    Error, ExtendedKalmanFilter, Gate, NonlinearFilter, UnscentedKalmanFilter,
-};
+use loc_filters::{Error, ExtendedKalmanFilter, Gate, NonlinearFilter, UnscentedKalmanFilter};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::{Sight, Sighting};
 use nalgebra::{

@@ -7,8 +7,8 @@ use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_filters::NonlinearFilter;
-use loc_filters::fusion::{FusedLocalizer, FusionOutcome, FusionSettings, state};
 use loc_filters::fusion::state::STATES;
+use loc_filters::fusion::{FusedLocalizer, FusionOutcome, FusionSettings, state};
 use nalgebra::{Point2, Vector2};
 
 /// The errors that figures show, with the factor of their unit.

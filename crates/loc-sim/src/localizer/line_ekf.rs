@@ -5,9 +5,7 @@ use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::NonlinearFilter;
-use loc_filters::line_matching::{
-    LineFilter, LineMatchingSettings, LinePair, LineUpdate, STATES,
-};
+use loc_filters::line_matching::{LineFilter, LineMatchingSettings, LinePair, LineUpdate, STATES};
 use loc_maps::LineMap;
 use std::sync::Arc;
 

@@ -49,7 +49,9 @@ pub(super) fn smoothed<F: NonlinearFilter<STATES>>(
     for (stamp, input) in in_order(inputs, stamps) {
         match input {
             Some(Input::Velocity(twist)) => drop(drive.odometry(stamp, twist)?),
-            Some(Input::Measurement(stamp, measurement)) => drop(take(&mut drive, stamp, measurement)?),
+            Some(Input::Measurement(stamp, measurement)) => {
+                drop(take(&mut drive, stamp, measurement)?)
+            }
             None => drive.mark(stamp)?,
         }
     }

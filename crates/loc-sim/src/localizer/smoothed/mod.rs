@@ -30,9 +30,7 @@ pub(crate) fn smoothed(
     let name = method.name();
     match method {
         Method::Kf => rail::smoothed(setup, &settings.rail, events, stamps),
-        Method::Ekf => {
-            landmarks::smoothed::<Extended<3>>(setup, settings.landmark, events, stamps)
-        }
+        Method::Ekf => landmarks::smoothed::<Extended<3>>(setup, settings.landmark, events, stamps),
         Method::Ukf => {
             landmarks::smoothed::<Unscented<3>>(setup, settings.landmark, events, stamps)
         }
