@@ -50,7 +50,7 @@ pub(super) fn smoothed<F: NonlinearFilter<STATES>>(
         match input {
             Some(Input::Velocity(twist)) => drop(drive.odometry(stamp, twist)?),
             Some(Input::Measurement(stamp, measurement)) => {
-                drop(take(&mut drive, stamp, measurement)?)
+                drop(take(&mut drive, stamp, measurement)?);
             }
             None => drive.mark(stamp)?,
         }
