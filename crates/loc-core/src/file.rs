@@ -41,3 +41,24 @@ pub fn write_beside<T, E: From<Error>>(
     }
     written
 }
+
+/// Makes a folder, with those above it, and lets `fill` write into it. Where that fails, folders
+/// that were made for it and are empty are taken away again.
+///
+/// # Errors
+/// Those of `fill`, and [`Error::Io`] for a folder that cannot be made.
+pub fn in_folder<T, E: From<Error>>(
+    path: impl AsRef<Path>,
+    fill: impl FnOnce(&Path) -> std::result::Result<T, E>,
+) -> std::result::Result<T, E> {
+    let path = path.as_ref();
+    let is_new = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+    let made: Vec<&Path> = path.ancestors().take_while(is_new).collect();
+    let filled = fs::create_dir_all(path).map_err(|e| Error::io(path)(e).into());
+    let filled = filled.and_then(|()| fill(path));
+    if filled.is_err() {
+        // The deepest first; a folder that holds something stays.
+        made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
+    }
+    filled
+}

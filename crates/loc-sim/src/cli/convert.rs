@@ -1,8 +1,8 @@
 //! `loc-sim convert`: a recording in another format.
 
-use super::Global;
 use super::progress::Progress;
 use super::replay::{Format, RosArgs, guess, open_landmarks};
+use super::{Global, interrupt};
 use crate::convert::{Converted, Track, to_carmen, to_mcap, to_tum, transcribe};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{LaserLog, ReplayOptions, Start};
@@ -75,7 +75,7 @@ pub fn convert(args: &ConvertArgs, global: &Global) -> anyhow::Result<()> {
     args.ros.refuse_unless(format)?;
     let mut progress = Progress::new("convert", global);
     let mut tell = |share| progress.tell(share);
-    let converted = write_beside(out, |part| match (args.to, format) {
+    let mut write = |part: &Path| match (args.to, format) {
         (Target::Mcap, Format::Ros) => {
             transcribe(ros::open(log)?.as_mut(), McapWriter::create(part)?, &mut tell)
         }
@@ -89,7 +89,8 @@ pub fn convert(args: &ConvertArgs, global: &Global) -> anyhow::Result<()> {
             std::fs::write(part, track.to_tum()).map_err(loc_core::Error::io(out))?;
             Ok::<_, Error>(converted)
         }
-    })?;
+    };
+    let converted = write_beside(out, |part| interrupt::filling(part, || write(part)))?;
     progress.finish();
     tell_of(&converted, args, global)
 }

@@ -4,6 +4,7 @@ pub mod convert;
 pub mod eval;
 pub mod fit_beam;
 pub mod info;
+mod interrupt;
 pub mod list;
 pub mod map;
 mod progress;
@@ -12,6 +13,7 @@ pub mod run;
 pub mod sense;
 mod show;
 pub mod study;
+mod terminal;
 
 use clap::{Parser, Subcommand};
 use std::io::Write;
@@ -62,6 +64,10 @@ impl Cli {
     /// # Errors
     /// Whatever goes wrong, to be printed in one line.
     pub fn execute(&self) -> anyhow::Result<()> {
+        if !matches!(self.command, Some(Command::Study(_))) {
+            // A study keeps what is done, and listens for itself.
+            interrupt::watch()?;
+        }
         match &self.command {
             None => run::run(&run::RunArgs::default(), &self.global),
             Some(Command::List(args)) => list::list(args, &self.global),
@@ -86,13 +92,14 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
     if error.is::<study::Interrupted>() { INTERRUPTED } else { 1 }
 }
 
-/// Writes a text and a line break to standard output.
+/// Writes a text and a line break to standard output, in the width of the terminal.
 ///
 /// A reader that has gone away (`loc-sim .. | head -1`) is no failure.
 ///
 /// # Errors
 /// Whatever else the operating system says.
 pub fn print(text: &str) -> anyhow::Result<()> {
+    let text = terminal::width().map_or(text.into(), |width| terminal::narrow(text, width));
     match writeln!(std::io::stdout().lock(), "{text}") {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => Ok(result?),

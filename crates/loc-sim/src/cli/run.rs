@@ -3,7 +3,6 @@
 use super::Global;
 use super::progress::Progress;
 use super::show::{Finished, OutputArgs, show, show_illustration};
-use crate::output::mcap::McapRecorder;
 use crate::record::Filming;
 use crate::runner::Both;
 use crate::scenario::{Scenario, builtin};
@@ -33,12 +32,12 @@ pub struct RunArgs {
 pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     let name = args.scenario.as_deref().unwrap_or(builtin::DEFAULT);
     let is_file = name.ends_with(".toml") || name.contains(std::path::MAIN_SEPARATOR);
+    let text = if is_file {
+        std::fs::read_to_string(name).map_err(loc_core::Error::io(name))?
+    } else {
+        builtin::text(name)?.to_owned()
+    };
     if args.print_config {
-        let text = if is_file {
-            std::fs::read_to_string(name).map_err(loc_core::Error::io(name))?
-        } else {
-            builtin::text(name)?.to_owned()
-        };
         return super::print(text.trim_end());
     }
     let changes = &args.output.changes;
@@ -55,7 +54,7 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     }
     let seed = args.seed.unwrap_or(scenario.seed);
     if let Some(illustration) = scenario.illustrate(seed)? {
-        return show_illustration(&illustration, &scenario, &args.output, global);
+        return show_illustration(&illustration, (&scenario, &text), &args.output, global);
     }
     let methods = &args.output.methods;
     if args.output.smooth {
@@ -67,10 +66,12 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     let methods = (!methods.is_empty()).then_some(methods.as_slice());
     let mut tell = |share| progress.tell(share);
     let mut filming = Filming::new(&mut tell);
-    let mut recorder = args.output.recorder()?;
+    let (mut recorder, target) = args.output.recorder()?;
     let mut watcher = Both(&mut filming, &mut recorder);
     let mut run = scenario.run_watched(Some(seed), methods, &mut watcher)?;
-    recorder.map(McapRecorder::finish).transpose()?;
+    if let Some((recorder, target)) = recorder.zip(target) {
+        target.finish(recorder)?;
+    }
     run.film = Some(filming.film);
     progress.finish();
     let finished = Finished {
@@ -80,6 +81,7 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
         seed: Some(seed),
         compare: scenario.compare,
         also_in_frame: scenario.also_in_frame.as_deref(),
+        scenario: Some(&text),
     };
     show(&finished, &args.output, global)
 }

@@ -1,6 +1,7 @@
 //! `loc-sim sense`: one sensor, simulated and drawn.
 
 use super::Global;
+use super::interrupt::uninterrupted;
 use crate::sense::{Request, SENSORS, recorded_scan, sense as simulate};
 use anyhow::{Context, bail};
 use loc_core::Pose2;
@@ -70,7 +71,7 @@ pub fn sense(args: &SenseArgs, global: &Global) -> anyhow::Result<()> {
         let name = format!("sense-{sensor}");
         Path::new("out").join(name)
     });
-    reading.folder.write(&folder).context("cannot write the reading")?;
+    uninterrupted(|| reading.folder.write(&folder)).context("cannot write the reading")?;
     if global.quiet {
         return Ok(());
     }

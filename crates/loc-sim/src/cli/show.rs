@@ -1,10 +1,11 @@
 //! What `run` and `replay` do with a finished run: write it, print it.
 
 use super::Global;
+use super::interrupt::{Unfinished, uninterrupted};
 use crate::localizer::Method;
 use crate::metrics::{Alignment, Summary};
 use crate::output::mcap::McapRecorder;
-use crate::output::{self, Illustration};
+use crate::output::{self, Illustration, Made};
 use crate::record::Run;
 use crate::scenario::Scenario;
 use anyhow::{Context, bail};
@@ -41,6 +42,8 @@ pub(super) struct Finished<'a> {
     pub(super) seed: Option<u64>,
     pub(super) compare: bool,
     pub(super) also_in_frame: Option<&'a str>,
+    /// The scenario's text; `None` for a recording.
+    pub(super) scenario: Option<&'a str>,
 }
 
 /// Writes the folder of a run and prints its table.
@@ -51,9 +54,11 @@ pub(super) fn show(
 ) -> anyhow::Result<()> {
     let run = finished.run;
     let summary = Summary::of(run, finished.seed, args.align)?;
-    let files = output::files(run, &summary, finished.title, &command())?;
+    let command = command();
+    let made = Made { command: &command, scenario: finished.scenario };
+    let files = output::files(run, &summary, finished.title, made)?;
     let folder = args.folder(finished.name);
-    files.write(&folder).context("cannot write the run")?;
+    uninterrupted(|| files.write(&folder)).context("cannot write the run")?;
     if global.quiet {
         return Ok(());
     }
@@ -72,13 +77,15 @@ pub(super) fn show(
 /// Writes the folder of an illustration and prints its numbers.
 pub(super) fn show_illustration(
     illustration: &Illustration,
-    scenario: &Scenario,
+    (scenario, text): (&Scenario, &str),
     args: &OutputArgs,
     global: &Global,
 ) -> anyhow::Result<()> {
     let folder = args.folder(&scenario.name);
-    let files = illustration.files(&scenario.title, &command())?;
-    files.write(&folder).context("cannot write the illustration")?;
+    let command = command();
+    let made = Made { command: &command, scenario: Some(text) };
+    let files = illustration.files(&scenario.title, made)?;
+    uninterrupted(|| files.write(&folder)).context("cannot write the illustration")?;
     if global.quiet {
         return Ok(());
     }
@@ -111,13 +118,47 @@ impl OutputArgs {
         )
     }
 
-    /// The recorder of the MCAP file, where one is wanted.
-    pub(super) fn recorder(&self) -> crate::Result<Option<McapRecorder>> {
-        self.mcap.as_deref().map(McapRecorder::create).transpose()
+    /// The recorder of the MCAP file, where one is wanted, and the file that it fills.
+    pub(super) fn recorder(&self) -> crate::Result<(Option<McapRecorder>, Option<McapTarget>)> {
+        let Some(path) = &self.mcap else { return Ok((None, None)) };
+        let target = McapTarget::new(path);
+        let recorder = McapRecorder::create(target.written())?;
+        Ok((Some(recorder), Some(target)))
     }
 
     /// The folder to write.
     fn folder(&self, name: &str) -> PathBuf {
         self.out.clone().unwrap_or_else(|| Path::new("out").join(name))
+    }
+}
+
+/// The MCAP file of a run: until the run is done, it lies beside its place under another name.
+#[derive(Debug)]
+pub(super) struct McapTarget {
+    path: PathBuf,
+    part: Option<Unfinished>,
+}
+
+impl McapTarget {
+    fn new(path: &Path) -> Self {
+        // What is no file, such as a pipe or a device, is written itself.
+        let is_other = std::fs::metadata(path).is_ok_and(|there| !there.is_file());
+        let mut name = path.file_name().unwrap_or_default().to_owned();
+        name.push(format!(".{}.part", std::process::id()));
+        let part = (!is_other).then(|| Unfinished::new(&path.with_file_name(name)));
+        McapTarget { path: path.to_owned(), part }
+    }
+
+    fn written(&self) -> &Path {
+        self.part.as_ref().map_or(&self.path, Unfinished::path)
+    }
+
+    /// Ends the file, which takes its place.
+    pub(super) fn finish(self, recorder: McapRecorder) -> crate::Result<()> {
+        recorder.finish()?;
+        if let Some(part) = &self.part {
+            std::fs::rename(part.path(), &self.path).map_err(loc_core::Error::io(&self.path))?;
+        }
+        Ok(())
     }
 }

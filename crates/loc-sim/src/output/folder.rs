@@ -2,8 +2,12 @@
 
 use crate::Result;
 use loc_core::Error;
+use loc_core::file::in_folder;
 use std::fs;
 use std::path::Path;
+
+/// The file that stands for a run that is whole.
+const LAST: &str = "summary.json";
 
 /// Files in memory, by name.
 #[derive(Debug, Clone, Default)]
@@ -49,18 +53,20 @@ impl Folder {
     /// Writes the files into `path`, which is made where it is missing.
     ///
     /// Everything is written beside it first; only when that has succeeded do the files take the
-    /// place of an earlier run's. Estimates and figures that the earlier run had and this one has
+    /// place of an earlier run's, `summary.json` last: while it is missing, the folder is not
+    /// complete. A folder that could not be filled is not left behind empty. Estimates and figures that the earlier run had and this one has
     /// not are removed, so that the folder shows one run; files of other kinds are left alone.
     ///
     /// # Errors
     /// [`Error::Io`] with the path; an earlier run's files are then as they were.
     pub fn write(&self, path: &Path) -> Result<()> {
-        fs::create_dir_all(path).map_err(Error::io(path))?;
-        let staging = path.join(format!(".part-{}", std::process::id()));
-        let result = self.write_through(&staging, path);
-        // Nothing is left beside the run; a failure to tidy up would hide the first error.
-        let _ = fs::remove_dir_all(&staging);
-        result
+        in_folder(path, |path| {
+            let staging = path.join(format!(".part-{}", std::process::id()));
+            let result = self.write_through(&staging, path);
+            // Nothing is left beside the run; a failure to tidy up would hide the first error.
+            let _ = fs::remove_dir_all(&staging);
+            result
+        })
     }
 
     fn write_through(&self, staging: &Path, path: &Path) -> Result<()> {
@@ -76,7 +82,10 @@ impl Folder {
                 fs::remove_file(entry.path()).map_err(Error::io(entry.path()))?;
             }
         }
-        for (name, _) in &self.files {
+        let _ = fs::remove_file(path.join(LAST));
+        let is_last = |name: &str| name == LAST;
+        let first = self.names().filter(|name| !is_last(name));
+        for name in first.chain(self.names().filter(|name| is_last(name))) {
             let file = path.join(name);
             fs::rename(staging.join(name), &file).map_err(Error::io(&file))?;
         }

@@ -1,7 +1,7 @@
 //! What a scenario leaves behind that shows one thing and runs no method.
 
 use super::figures::FigureFile;
-use super::{Folder, report};
+use super::{Folder, Made, report};
 use crate::Result;
 use serde_json::Value;
 
@@ -28,12 +28,12 @@ impl Illustration {
     ///
     /// # Errors
     /// [`crate::Error::Config`] for numbers that cannot be written.
-    pub fn files(&self, title: &str, command: &str) -> Result<Folder> {
+    pub fn files<'a>(&self, title: &str, made: impl Into<Made<'a>>) -> Result<Folder> {
         let mut folder = Folder::default();
         folder.add("summary.json", super::pretty(&self.summary)?);
         folder.add(
             "report.html",
-            report::plain(&self.lines.join("\n"), title, command, &self.figures),
+            report::plain(&self.lines.join("\n"), title, made.into(), &self.figures),
         );
         for figure in &self.figures {
             folder.add(figure.file.clone(), figure.svg.clone());

@@ -28,8 +28,8 @@ pub use backdrop::backdrop;
 pub use comparison::comparison;
 pub use folder::Folder;
 pub use illustration::Illustration;
-pub use report::Report;
 pub(crate) use report::plain;
+pub use report::{Made, Report};
 pub use table::{final_beliefs, table};
 
 use crate::Result;
@@ -40,12 +40,18 @@ use crate::record::Run;
 ///
 /// # Errors
 /// [`loc_core::Error`] for estimates that are not finite.
-pub fn files(run: &Run, summary: &Summary, title: &str, command: &str) -> Result<Folder> {
+pub fn files<'a>(
+    run: &Run,
+    summary: &Summary,
+    title: &str,
+    made: impl Into<Made<'a>>,
+) -> Result<Folder> {
+    let made = made.into();
     let mut folder = Folder::default();
     folder.add("summary.json", pretty(summary)?);
     trajectories::add(&mut folder, run)?;
     let figures = figures::all(run, title);
-    let report = Report { run, summary, title, command };
+    let report = Report { run, summary, title, made };
     folder.add("report.html", report.html(&figures));
     for figure in figures {
         folder.add(figure.file, figure.svg);

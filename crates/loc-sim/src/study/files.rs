@@ -69,7 +69,7 @@ fn stage(
         })
         .collect();
     let title = format!("Study: {}", results.title);
-    let report = crate::output::plain(&table(results), &title, command, &pictures);
+    let report = crate::output::plain(&table(results), &title, command.into(), &pictures);
     let mut texts =
         vec![("study.json".to_owned(), json + "\n"), ("report.html".to_owned(), report)];
     texts.extend(drawn.into_iter().map(|figure| (figure.file, figure.svg)));

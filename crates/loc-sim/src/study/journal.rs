@@ -62,8 +62,12 @@ impl Journal {
     /// [`loc_core::Error::Io`]; [`Error::OtherStudy`] for the journal of another study,
     /// [`Error::Busy`] where that is running, [`Error::Recording`] for a file that is no journal.
     pub fn open(folder: &Path, fingerprint: &Fingerprint, grid: &Grid) -> Result<Self> {
-        std::fs::create_dir_all(folder).map_err(loc_core::Error::io(folder))?;
+        loc_core::file::in_folder(folder, |folder| Journal::open_in(folder, fingerprint, grid))
+    }
+
+    fn open_in(folder: &Path, fingerprint: &Fingerprint, grid: &Grid) -> Result<Self> {
         let path = folder.join(FILE);
+        let is_new = !path.exists();
         let mut options = OpenOptions::new();
         let file = options.read(true).append(true).create(true).open(&path);
         let file = file.map_err(loc_core::Error::io(&path))?;
@@ -72,7 +76,12 @@ impl Journal {
         let mut journal = Journal { path, file, places, kept: 0, end: 0, synced: Instant::now() };
         journal.read(fingerprint, grid)?;
         if journal.end == 0 {
-            journal.append(&line(fingerprint)?)?;
+            let begun = line(fingerprint).and_then(|line| journal.append(&line));
+            if begun.is_err() && is_new {
+                // Not even the first line: there is nothing to go on with.
+                let _ = std::fs::remove_file(&journal.path);
+            }
+            begun?;
         }
         Ok(journal)
     }

@@ -24,6 +24,7 @@ mod landmark_mcl;
 mod layering;
 mod line_matching;
 #[cfg(feature = "cli")]
+mod manners;
 mod map;
 mod mcl_accuracy;
 mod metrics;
@@ -37,6 +38,7 @@ mod replay;
 mod report;
 mod ros;
 mod scenarios;
+mod seeds;
 mod sense;
 mod slam;
 mod slam_recordings;

@@ -3,7 +3,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use loc_sim::metrics::{Alignment, Summary};
-use loc_sim::output::Report;
+use loc_sim::output::{Made, Report};
 use loc_sim::record::{Filming, Run};
 use loc_sim::scenario::Scenario;
 use serde_json::Value;
@@ -19,10 +19,13 @@ fn filmed(name: &str, changes: &[&str]) -> Run {
     run
 }
 
+fn made() -> Made<'static> {
+    Made { command: "loc-sim run \"x\"", scenario: Some("name = \"<x>\"\nseed = 1\n") }
+}
+
 fn page(run: &Run) -> String {
     let summary = Summary::of(run, Some(1), Alignment::None).unwrap();
-    let report =
-        Report { run, summary: &summary, title: "A <title>", command: "loc-sim run \"x\"" };
+    let report = Report { run, summary: &summary, title: "A <title>", made: made() };
     report.html(&[])
 }
 
@@ -43,7 +46,13 @@ fn numbers<const N: usize, T>(blob: &Value, from: fn([u8; N]) -> T) -> Vec<T> {
 fn the_player_has_the_poses_and_the_particles_of_the_run() {
     let run = filmed("overview", &["tour.duration_s=6.0"]);
     let html = page(&run);
-    assert!(html.contains("<h1>A &lt;title&gt;</h1>") && html.contains("run &quot;x&quot;"));
+    assert!(
+        html.contains("<h1>A &lt;title&gt;</h1>") && html.contains("run &quot;x&quot;   # seed 1")
+    );
+    assert!(
+        html.contains("<pre>name = &quot;&lt;x&gt;&quot;\nseed = 1</pre>"),
+        "the scenario is there"
+    );
     assert!(
         !html.contains("http://")
             || html.matches("http").count() == html.matches("http://www.w3.org").count()

@@ -49,11 +49,13 @@ pub(super) fn build(args: &BuildArgs, global: &Global) -> anyhow::Result<()> {
     let points = scan_map(args, &scans)?;
 
     let folder = &args.out;
-    std::fs::create_dir_all(folder).map_err(loc_core::Error::io(folder))?;
-    loc_core::file::write_whole(folder.join("scan_map.csv"), points.to_csv())?;
-    let picture = MapPicture::new().grid(&grid).to_svg();
-    loc_core::file::write_whole(folder.join("map.svg"), picture)?;
-    io::save(&grid, folder.join("map.yaml"), ImageFormat::Pgm, Mode::Trinary)?;
+    loc_core::file::in_folder(folder, |folder| {
+        loc_core::file::write_whole(folder.join("scan_map.csv"), points.to_csv())?;
+        let picture = MapPicture::new().grid(&grid).to_svg();
+        loc_core::file::write_whole(folder.join("map.svg"), picture)?;
+        io::save(&grid, folder.join("map.yaml"), ImageFormat::Pgm, Mode::Trinary)?;
+        Ok::<_, anyhow::Error>(())
+    })?;
     if global.quiet {
         return Ok(());
     }

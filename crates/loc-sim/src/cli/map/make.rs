@@ -34,11 +34,13 @@ pub(super) fn make(args: &MakeArgs, global: &Global) -> anyhow::Result<()> {
     };
     let world = worlds::by_name(&args.world, &settings)?;
     let folder = args.out.clone().unwrap_or_else(|| Path::new("out").join(world.name));
-    std::fs::create_dir_all(&folder).map_err(loc_core::Error::io(&folder))?;
-    if !world.landmarks.is_empty() {
-        loc_core::file::write_whole(folder.join("landmarks.csv"), world.landmarks.to_csv())?;
-    }
     let yaml = folder.join(format!("{}.yaml", world.name));
-    io::save(&world.grid, &yaml, ImageFormat::Pgm, Mode::Trinary)?;
+    loc_core::file::in_folder(&folder, |folder| {
+        io::save(&world.grid, &yaml, ImageFormat::Pgm, Mode::Trinary)?;
+        if !world.landmarks.is_empty() {
+            loc_core::file::write_whole(folder.join("landmarks.csv"), world.landmarks.to_csv())?;
+        }
+        Ok::<_, anyhow::Error>(())
+    })?;
     if global.quiet { Ok(()) } else { print(&format!("written to {}", yaml.display())) }
 }

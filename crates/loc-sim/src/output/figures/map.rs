@@ -49,7 +49,9 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
         }
     }
     let style = if has_particles(run) { Role::Truth.width(1.4) } else { Role::Truth.dotted() };
-    scene = scene.path(style, "true path", true_path(run));
+    if !run.truth.is_empty() {
+        scene = scene.path(style, "true path", true_path(run));
+    }
     scene = kidnapping(run, scene);
     let landmarks = run
         .setup

@@ -18,6 +18,22 @@ const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("player.js");
 const CONTROLS: &str = include_str!("player.html");
 
+/// What makes a report again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Made<'a> {
+    /// The command.
+    pub command: &'a str,
+    /// The text of the scenario that it names, before what `--set` and `--seed` change; `None` for
+    /// a recording.
+    pub scenario: Option<&'a str>,
+}
+
+impl<'a> From<&'a str> for Made<'a> {
+    fn from(command: &'a str) -> Self {
+        Made { command, scenario: None }
+    }
+}
+
 /// What a report shows.
 #[derive(Debug, Clone, Copy)]
 pub struct Report<'a> {
@@ -27,8 +43,8 @@ pub struct Report<'a> {
     pub summary: &'a Summary,
     /// Its heading.
     pub title: &'a str,
-    /// The command that makes it again.
-    pub command: &'a str,
+    /// What makes it again.
+    pub made: Made<'a>,
 }
 
 impl Report<'_> {
@@ -48,15 +64,15 @@ impl Report<'_> {
         }
         body.push_str("<h2>Figures</h2>\n");
         body.push_str(&drawings(figures));
-        body.push_str(&again(self.command, Some(&table(summary))));
+        body.push_str(&again(self.made, summary.seed, Some(&table(summary))));
         page(self.title, &body)
     }
 }
 
-/// A page with a text, figures and the command that makes it again.
-pub(crate) fn plain(text: &str, title: &str, command: &str, figures: &[FigureFile]) -> String {
+/// A page with a text, figures and what makes it again.
+pub(crate) fn plain(text: &str, title: &str, made: Made<'_>, figures: &[FigureFile]) -> String {
     let body =
-        format!("<pre>{}</pre>\n{}{}", escape(text), drawings(figures), again(command, None));
+        format!("<pre>{}</pre>\n{}{}", escape(text), drawings(figures), again(made, None, None));
     page(title, &body)
 }
 
@@ -116,9 +132,18 @@ fn drawings(figures: &[FigureFile]) -> String {
     html
 }
 
-fn again(command: &str, text: Option<&str>) -> String {
+fn again(made: Made<'_>, seed: Option<u64>, text: Option<&str>) -> String {
+    let seed = seed.map_or(String::new(), |seed| format!("   # seed {seed}"));
     let text = text.map_or(String::new(), |text| format!("\n\n{text}"));
-    format!("<h2>Made by</h2>\n<pre>{}</pre>\n", escape(&format!("{command}{text}")))
+    let made_by = escape(&format!("{}{seed}{text}", made.command));
+    let scenario = made.scenario.map_or(String::new(), |scenario| {
+        format!(
+            "<details>\n<summary>The scenario, before what --set and --seed change</summary>\n\
+             <pre>{}</pre>\n</details>\n",
+            escape(scenario.trim_end())
+        )
+    });
+    format!("<h2>Made by</h2>\n<pre>{made_by}</pre>\n{scenario}")
 }
 
 fn escape(text: &str) -> String {

@@ -50,8 +50,10 @@
   let colors = {};
   const readColors = () => {
     for (const name of ["ink", "muted", "grid", "edge", "paper", "scan", "landmark"]) colors[name] = css(`--${name}`);
-    colors.methods = run.methods.map((_, k) => css(`--m${k % 6}`));
+    colors.methods = run.methods.map((_, k) => css(`--m${k % 12}`));
   };
+  // From the seventh method on, lines have dashes as well.
+  const dashes = (m) => [[], [7, 3, 1.5, 3], [10, 4], [7, 3, 1.5, 3, 1.5, 3]][Math.min(3, Math.floor(m / 6))];
   const dark = matchMedia("(prefers-color-scheme: dark)");
   dark.addEventListener("change", () => { readColors(); charts.forEach((c) => { c.base = null; }); draw(); });
 
@@ -153,7 +155,7 @@
     }
     run.methods.forEach((method, m) => {
       c.strokeStyle = colors.methods[m]; c.lineWidth = m === state.focus ? 2 : 1.3;
-      if (layers.paths) path(c, v, method.track, 0, k);
+      if (layers.paths) { c.setLineDash(dashes(m)); path(c, v, method.track, 0, k); c.setLineDash([]); }
     });
     const focus = run.methods[state.focus], color = colors.methods[state.focus];
     if (layers.weighed && focus.weighed) dots(c, v, focus.weighed, k, colors.muted, 2);
@@ -217,7 +219,7 @@
       for (const band of bands) { c.beginPath(); c.moveTo(pad.l, Y(band)); c.lineTo(w - pad.r, Y(band)); c.stroke(); }
       c.setLineDash([]);
       for (const [m, values] of series) {
-        c.strokeStyle = colors.methods[m]; c.lineWidth = 1.2; c.beginPath();
+        c.strokeStyle = colors.methods[m]; c.lineWidth = 1.2; c.setLineDash(dashes(m)); c.beginPath();
         let pen = false;
         for (let i = 0; i < values.length; i++) {
           if (!Number.isFinite(values[i])) { pen = false; continue; }
@@ -225,7 +227,7 @@
           if (pen) c.lineTo(x, y); else c.moveTo(x, y);
           pen = true;
         }
-        c.stroke();
+        c.stroke(); c.setLineDash([]);
       }
     };
     self.draw = () => {
@@ -308,12 +310,16 @@
   slider.max = count - 1;
   slider.addEventListener("input", () => { pause(); show(run.stamps[Number(slider.value)]); });
   run.methods.forEach((method, m) => focusSelect.add(new Option(method.name, m, false, m === state.focus)));
-  const legend = $(".legend"), entry = (name, color) => {
+  const legend = $(".legend"), entry = (name, color, m = 0) => {
     const span = document.createElement("span");
-    span.textContent = name; span.style.setProperty("--color", color); legend.append(span);
+    span.textContent = name; span.style.setProperty("--color", color); span.classList.toggle("dashes", m >= 6); legend.append(span);
   };
-  if (run.truth) entry("truth", "var(--ink)");
-  run.methods.forEach((method, m) => entry(method.name, `var(--m${m % 6})`));
+  if (run.truth) entry("truth", "var(--ink)"); else $("input[name=truth]").parentElement.remove();
+  if (!run.map) $("input[name=map]").parentElement.remove();
+  for (const list of ["particles", "weighed", "hypotheses"]) {
+    if (!run.methods.some((method) => method[list])) $(`input[name=${list}]`).parentElement.remove();
+  }
+  run.methods.forEach((method, m) => entry(method.name, `var(--m${m % 12})`, m));
   focusSelect.addEventListener("change", () => { state.focus = Number(focusSelect.value); draw(); });
   $("#whole").addEventListener("click", () => { state.zoom = 1; state.pan = [0, 0]; draw(); });
 

@@ -1,7 +1,8 @@
 //! What things look like: roles, line styles and the palette.
 //!
 //! The palette is the one of Okabe and Ito (2008), which colour-blind readers can tell apart,
-//! with its yellow darkened for white paper; the dark variants are the same hues, lighter.
+//! with its yellow darkened for white paper; the dark variants are the same hues, lighter. Six more
+//! colours, which lines with dashes have, are for runs of many methods.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +11,8 @@ use std::collections::BTreeSet;
 pub enum Role {
     /// Where the robot really was.
     Truth,
-    /// The k-th method of a run, counted from 0. Six colours repeat with other dashes.
+    /// The k-th method of a run, counted from 0. Twelve have a colour each, and from the seventh on
+    /// dashes as well; then the colours begin again, with other dashes.
     Method(usize),
     /// A landmark of the map.
     Landmark,
@@ -103,7 +105,7 @@ impl Style {
         let lengths: &[f64] = match (self.dash, self.role) {
             (Dash::Dotted, _) => &[0.01, 2.6],
             (Dash::Dashed, _) => &[4.5, 3.2],
-            (Dash::Solid, Role::Method(k)) => round_of_dashes(k / METHODS.len()),
+            (Dash::Solid, Role::Method(k)) => round_of_dashes(k / SOLID),
             (Dash::Solid, _) => &[],
         };
         let scaled: Vec<String> =
@@ -134,13 +136,22 @@ const fn paint(name: &'static str, light: &'static str, dark: &'static str) -> P
     Paint { name, light, dark }
 }
 
-const METHODS: [Paint; 6] = [
+/// As many methods have a solid line; the next ones have dashes too.
+const SOLID: usize = 6;
+
+const METHODS: [Paint; 12] = [
     paint("m0", "#0072b2", "#4a9fe0"),
     paint("m1", "#d55e00", "#f57a3d"),
     paint("m2", "#009e73", "#2dc79a"),
     paint("m3", "#cc79a7", "#e6a0c8"),
     paint("m4", "#e69f00", "#f2b440"),
     paint("m5", "#56b4e9", "#a5dcff"),
+    paint("m6", "#7a3ea8", "#b98ae6"),
+    paint("m7", "#8b4a1f", "#cf9a6c"),
+    paint("m8", "#b8003c", "#ff6b8e"),
+    paint("m9", "#5f7a00", "#a9c43c"),
+    paint("m10", "#007a87", "#3fd0d4"),
+    paint("m11", "#3d4db7", "#98a4ff"),
 ];
 
 impl Paint {

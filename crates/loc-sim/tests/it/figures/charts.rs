@@ -131,12 +131,33 @@ fn labels_of_limits_do_not_cover_each_other() {
 #[test]
 fn a_method_has_one_colour_in_all_figures() {
     let points = [(0.0, 1.0), (1.0, 2.0)];
-    for k in [0, 3, 5, 7, usize::MAX] {
+    for k in [0, 3, 5, 7, 11, usize::MAX] {
         let scene = Scene::new("").path(Role::Method(k), "m", points).render();
         let chart = alone(Chart::new("x").line(Role::Method(k), "m", points));
-        let class = format!("loc-s-m{}", k % 6);
+        let class = format!("loc-s-m{}", k % 12);
         assert_eq!((drawn(&scene, &class).len(), drawn(&chart, &class).len()), (1, 1));
     }
+}
+
+/// A colour for each of twelve methods, light and dark, and dashes for those after the sixth.
+#[test]
+fn twelve_methods_are_told_apart() {
+    let mut chart = Chart::new("x");
+    for k in 0..12 {
+        chart = chart.line(Role::Method(k), "", [(0.0, 1.0), (1.0, k as f64)]);
+    }
+    let svg = alone(chart);
+    let mut strokes = std::collections::BTreeSet::new();
+    for k in 0..12 {
+        let class = format!("loc-s-m{k}\"");
+        let line = svg.lines().find(|line| line.contains(&class)).unwrap();
+        let (_, rest) = line.split_once("stroke=\"").unwrap();
+        strokes.insert(rest[..7].to_owned());
+        assert_eq!(line.contains("stroke-dasharray"), k >= 6, "method {k}: {line}");
+        let (_, dark) = svg.split_once(&format!("--loc-m{k}:")).unwrap();
+        strokes.insert(dark[..7].to_owned());
+    }
+    assert_eq!(strokes.len(), 24, "{strokes:?}");
 }
 
 #[test]
