@@ -61,15 +61,17 @@ pub(super) fn nees(method: &MethodSummary) -> String {
     })
 }
 
-/// The map that a method has drawn.
-fn map_line(name: &str, method: &MethodSummary) -> Option<String> {
+/// The map that a method has drawn, and how far off the robot is in it.
+pub(super) fn map_line(name: &str, method: &MethodSummary) -> Option<String> {
     let map = method.landmarks?;
     let (Some(found), Some(extra)) = (map.found, map.extra) else {
         return Some(format!("{name} mapped {} landmarks", map.mapped));
     };
     let rmse = map.rmse_m.map_or(String::new(), |rmse| format!(", off by {rmse:.3} m RMSE"));
+    let own = |rmse| format!("\n{name} in the frame of its own map: {rmse:.3} m off the true path");
+    let path = map.path_rmse_m.map_or(String::new(), own);
     let extra = if extra > 0 { format!(", {extra} that are none") } else { String::new() };
-    Some(format!("{name} found {found} landmarks{rmse}{extra}"))
+    Some(format!("{name} found {found} landmarks{rmse}{extra}{path}"))
 }
 
 fn row(name: &str, first: usize, method: &MethodSummary) -> String {
