@@ -20,6 +20,7 @@ pub fn table(summary: &Summary) -> String {
     lines.push(format!("{:<first$}{names}", "method"));
     lines.extend(summary.methods.iter().map(|(name, method)| row(name, first, method)));
     lines.extend(summary.methods.iter().filter_map(|(name, method)| map_line(name, method)));
+    lines.extend(summary.methods.iter().filter_map(|(name, method)| fit_line(name, method)));
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n")
 }
@@ -72,6 +73,13 @@ pub(super) fn map_line(name: &str, method: &MethodSummary) -> Option<String> {
     let path = map.path_rmse_m.map_or(String::new(), own);
     let extra = if extra > 0 { format!(", {extra} that are none") } else { String::new() };
     Some(format!("{name} found {found} landmarks{rmse}{extra}{path}"))
+}
+
+/// How well the last scan fits where the method believes to be, the judge of a recording without
+/// true poses.
+fn fit_line(name: &str, method: &MethodSummary) -> Option<String> {
+    let share = 100.0 * method.beam_fit_at_end?;
+    Some(format!("{name}: {share:.1} % of the last scan's beams end within 12 cm of a wall"))
 }
 
 fn row(name: &str, first: usize, method: &MethodSummary) -> String {
