@@ -45,8 +45,10 @@ pub trait Watcher {
 }
 
 /// Two watchers, the second where there is one.
+#[cfg(feature = "cli")]
 pub(crate) struct Both<'a, A, B>(pub(crate) &'a mut A, pub(crate) &'a mut Option<B>);
 
+#[cfg(feature = "cli")]
 impl<A: Watcher, B: Watcher> Watcher for Both<'_, A, B> {
     fn progress(&mut self, share: f64) {
         self.0.progress(share);

@@ -174,6 +174,7 @@ fn entries(log: &LaserLog) -> Found {
             What::Scan(scan) if scan.truth.is_some() => ("laser", "scan with a corrected pose"),
             What::Scan(_) => ("laser", "scan"),
             What::Truth(_) => ("truth", "pose"),
+            What::Measured(_) => ("other", "measurement"),
         };
         counter.take(topic, kind, entry.stamp);
     }

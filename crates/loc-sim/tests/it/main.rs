@@ -38,6 +38,7 @@ mod replay;
 mod report;
 mod ros;
 mod scenarios;
+mod seeds;
 mod sense;
 mod slam;
 mod slam_recordings;

@@ -24,6 +24,7 @@ use crate::source::Source;
 use crate::source::laser_log::Scans;
 use anyhow::bail;
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// Localize the robot of a recording.
 #[derive(Debug, Clone, clap::Args)]
@@ -102,6 +103,7 @@ struct Replay {
 pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let log = args.log.as_deref().filter(|_| !args.print_config);
     let Some(log) = log else { return print_config(args) };
+    let begin = Instant::now();
     let format = args.format.map_or_else(|| format::guess(log), Ok)?;
     let mut replay = match format {
         Format::Mrclam => mrclam::prepare(args, log)?,
@@ -136,6 +138,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     }
     run.film = Some(filming.film);
     progress.finish();
+    let took = begin.elapsed().as_secs_f64();
     let name = run.setup.name.replace(' ', "-");
     let finished = Finished {
         run: &run,
@@ -146,7 +149,17 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
         also_in_frame: None,
         scenario: None,
     };
-    show(&finished, &args.output, global)
+    show(&finished, &args.output, global)?;
+    if global.quiet || global.json {
+        return Ok(());
+    }
+    super::print(&speed(run.duration(), took))
+}
+
+/// How fast the replay was, from the opening of the recording to the end of the run.
+fn speed(duration: f64, took: f64) -> String {
+    let factor = duration / took.max(1e-9);
+    format!("replayed {duration:.1} s in {took:.2} s, {factor:.0} times as fast as it was")
 }
 
 fn print_config(args: &ReplayArgs) -> anyhow::Result<()> {

@@ -21,6 +21,12 @@ pub struct RosArgs {
     /// no reference. Found by its name where left out.
     #[arg(long, value_name = "TOPIC")]
     pub reference_topic: Option<String>,
+    /// The topic of the inertial unit, in a bag with several; `none` to leave it out.
+    #[arg(long, value_name = "TOPIC")]
+    pub imu_topic: Option<String>,
+    /// The topic of the satellite receiver, in a bag with several; `none` to leave it out.
+    #[arg(long, value_name = "TOPIC")]
+    pub fix_topic: Option<String>,
     /// Where the laser sits on the robot, in metres and radians, in place of what a bag says.
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true)]
     pub laser_mounting: Option<String>,
@@ -43,6 +49,8 @@ impl RosArgs {
             scan_topic: self.scan_topic.clone(),
             odom_topic: self.odom_topic.clone(),
             reference_topic: self.reference_topic.clone(),
+            imu_topic: self.imu_topic.clone(),
+            fix_topic: self.fix_topic.clone(),
             mounting: self.laser_mounting.as_ref().map(pose).transpose()?,
             odometry_delay: finite("--odom-delay [s]", self.odom_delay.unwrap_or(0.0))?,
             odometry_noise: self.odom_noise.as_ref().map(noise).transpose()?,
@@ -55,6 +63,8 @@ impl RosArgs {
             ("--scan-topic", self.scan_topic.is_some()),
             ("--odom-topic", self.odom_topic.is_some()),
             ("--reference-topic", self.reference_topic.is_some()),
+            ("--imu-topic", self.imu_topic.is_some()),
+            ("--fix-topic", self.fix_topic.is_some()),
             ("--laser-mounting", self.laser_mounting.is_some()),
             ("--odom-delay", self.odom_delay.is_some()),
             ("--odom-noise", self.odom_noise.is_some()),

@@ -36,6 +36,8 @@ const LASER: Pose2 = Pose2 { x: 3.78, y: 0.5, theta: 0.0 };
 const SCANS: (f64, f64) = (21.6, 0.2137);
 /// The least time between two poses, some of which have the same \[s\].
 const TICK: f64 = 1e-3;
+/// More scans than any recording has: 60 hours of them.
+const MOST_SCANS: u32 = 1_000_000;
 /// Of the first so many metres, GPS tells where the car starts \[m\].
 const FIRST_WAY: f64 = 100.0;
 
@@ -153,7 +155,12 @@ fn read_detected(folder: &Path) -> Result<Motions> {
             range: distance(&row, "range_m")?,
             bearing: row.number("bearing_rad")? - FRAC_PI_2,
         };
-        groups.entry(whole(&row, "scan_index")?).or_default().push(Sighting { landmark: 0, sight });
+        let scan = whole(&row, "scan_index")?;
+        if scan >= MOST_SCANS {
+            let expected = format!("the number of a scan below {MOST_SCANS}");
+            return Err(row.error("scan_index", &expected, row.text("scan_index")?).into());
+        }
+        groups.entry(scan).or_default().push(Sighting { landmark: 0, sight });
     }
     not_empty(groups.is_empty(), &file, "detections")?;
     let stamp = |scan: u32| SCANS.0 + f64::from(scan) * SCANS.1;

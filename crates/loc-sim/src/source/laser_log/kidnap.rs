@@ -56,7 +56,7 @@ fn close(entries: &mut Vec<Entry>, cut: usize, resume: usize) {
         match &mut entry.what {
             What::Odometry(pose) => *pose = carried * *pose,
             What::Scan(scan) => scan.odometry = carried * scan.odometry,
-            What::Truth(_) => {}
+            What::Truth(_) | What::Measured(_) => {}
         }
     }
 }

@@ -77,6 +77,8 @@ pub enum What {
     Scan(RecordedScan),
     /// The robot's pose in the map.
     Truth(Pose2),
+    /// What a sensor other than the laser measured.
+    Measured(Measurement),
 }
 
 /// A scan of a log.
@@ -190,14 +192,14 @@ impl Entry {
         match &self.what {
             What::Odometry(pose) => Some(*pose),
             What::Scan(scan) => Some(scan.odometry),
-            What::Truth(_) => None,
+            What::Truth(_) | What::Measured(_) => None,
         }
     }
 
     /// The robot's pose in the map, where the message gives it.
     pub(super) fn truth(&self) -> Option<Pose2> {
         match &self.what {
-            What::Odometry(_) => None,
+            What::Odometry(_) | What::Measured(_) => None,
             What::Scan(scan) => scan.truth,
             What::Truth(pose) => Some(*pose),
         }
@@ -211,13 +213,14 @@ impl Entry {
         let (odometry, truth) = (self.odometry(), self.truth());
         let odometry = odometry.map(|pose| Payload::Control(Control::Odometry(pose)));
         let truth = truth.map(|pose| Payload::Truth(Truth { pose, speed: None }));
-        let scan = match self.what {
+        let measured = match self.what {
             What::Scan(RecordedScan { scan, mounting, .. }) => {
                 Some(Payload::Measurement(Measurement::Scan { scan, mounting }))
             }
-            _ => None,
+            What::Measured(measurement) => Some(Payload::Measurement(measurement)),
+            What::Odometry(_) | What::Truth(_) => None,
         };
-        let payloads = [odometry, scan, truth].into_iter().flatten();
+        let payloads = [odometry, measured, truth].into_iter().flatten();
         payloads.map(|payload| Event::now(self.stamp, payload)).collect()
     }
 }

@@ -108,7 +108,7 @@ pub(super) fn put_beside(log: &mut LaserLog, reference: &Reference) -> Result<()
         match &mut entry.what {
             What::Truth(_) => continue,
             What::Scan(scan) => scan.truth = None,
-            What::Odometry(_) => {}
+            What::Odometry(_) | What::Measured(_) => {}
         }
         merged.push(entry);
     }

@@ -30,7 +30,7 @@ impl Topic {
     /// Messages a second, of a topic with at least two at different times.
     pub fn rate(&self) -> Option<f64> {
         let (first, last) = self.span?;
-        let seconds = last.0.saturating_sub(first.0) as f64 * 1e-9;
+        let seconds = last.seconds_since(first);
         (seconds > 0.0 && self.count > 1).then(|| (self.count - 1) as f64 / seconds)
     }
 }

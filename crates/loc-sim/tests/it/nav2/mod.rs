@@ -16,7 +16,7 @@ fn amcl(lines: &[&str]) -> Result<AmclParameters, String> {
 }
 
 /// Every parameter of nav2_amcl and of Beluga, at a value that asks for something.
-const EVERY: [(&str, &str); 55] = [
+pub(crate) const EVERY: [(&str, &str); 55] = [
     ("alpha1", "0.1"),
     ("alpha2", "0.1"),
     ("alpha3", "0.1"),

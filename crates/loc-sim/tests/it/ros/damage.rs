@@ -1,5 +1,6 @@
 //! Bags that break off, lie, or are none.
 
+use super::database::{database, varint};
 use super::write::{self, MAGIC};
 use super::{Read, all};
 use loc_sim::Result;
@@ -187,4 +188,74 @@ proptest! {
             let _ = drain(bag1(bytes));
         }
     }
+}
+
+/// Lengths that lie, in records of every format.
+#[test]
+fn lengths_beyond_their_record_are_errors_or_counted() {
+    // The topic of a channel claims 4 GB: its messages have no channel.
+    let mut channel = write::channel(1, "/a", "x/msg/Y");
+    let topic = channel.windows(2).rposition(|pair| pair == b"/a").unwrap();
+    channel[topic - 4..topic].copy_from_slice(&u32::MAX.to_le_bytes());
+    let records = [channel, write::message(1, 1, b"a")].concat();
+    let (messages, notes) = all(&mut mcap(write::mcap(&[records])).unwrap());
+    assert!(messages.is_empty() && notes[0].starts_with("1 messages of channels"), "{notes:?}");
+    // So of a connection of ROS 1.
+    let mut connection = write::connection1(0, "/a", "x/Y");
+    let topic = connection.windows(6).rposition(|six| six == b"topic=").unwrap();
+    connection[topic - 4..topic].copy_from_slice(&u32::MAX.to_le_bytes());
+    let records = [connection, write::message1(0, 1, b"a")].concat();
+    let (messages, notes) =
+        all(&mut bag1(write::bag1(&[write::chunk1("none", &records)])).unwrap());
+    assert!(messages.is_empty() && notes[0].contains("without a header"), "{notes:?}");
+    // A chunk of ROS 1 that claims 4 GB unpacked, and a record that claims 4 GB of the file.
+    let mut lies = write::bag1(&[write::chunk1("bz2", &[1; 500])]);
+    let size = lies.windows(5).rposition(|five| five == b"size=").unwrap() + 5;
+    lies[size..size + 4].copy_from_slice(&u32::MAX.to_le_bytes());
+    let error = drain(bag1(lies)).unwrap_err().to_string();
+    assert!(error.contains("at most 1073741824 bytes, got 4294967295"), "{error}");
+    let mut lies = write::bag1(&[]);
+    lies.extend([0xff; 4]);
+    let (messages, notes) = all(&mut bag1(lies).unwrap());
+    assert!(messages.is_empty() && notes[0].contains("breaks off within"), "{notes:?}");
+}
+
+#[test]
+fn rows_that_lie_or_have_no_topic() {
+    let read = |bytes: Vec<u8>| Database3::read(Path::new("a.db3"), Cursor::new(bytes));
+    let whole = database(&[(7, "/a", "x/msg/Y")], &[(7, 1, b"first"), (8, 2, b"second")]);
+    let (messages, notes) = all(&mut read(whole.clone()).unwrap());
+    assert_eq!((messages.len(), messages[0].2.as_slice()), (1, b"first".as_slice()));
+    assert_eq!(notes, ["1 messages without a topic passed over"]);
+    // A row of 2^55 bytes, at the front of the cell that ends the last page.
+    let mut lies = whole;
+    let cell = lies.windows(5).rposition(|five| five == b"first").unwrap() + 5;
+    let (length, claim) = (lies.len(), varint(1 << 55));
+    let start = cell - 40;
+    lies[start..start + claim.len()].copy_from_slice(&claim);
+    let pointer = length - 8192 + 8;
+    lies[pointer..pointer + 2].copy_from_slice(&((start - (length - 8192)) as u16).to_be_bytes());
+    let error = drain(read(lies)).unwrap_err().to_string();
+    assert!(
+        error.contains("no longer than its file, got one of 36028797018963968 bytes"),
+        "{error}"
+    );
+}
+
+/// A recorder that was killed before it wrote anything leaves an empty file in its folder.
+#[test]
+fn empty_files_of_a_folder_are_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    file("bag_0.mcap", &ten("lz4"));
+    file("bag_1.mcap", b"");
+    let (messages, notes) = all(&mut loc_sim::source::ros::Bag2::open(folder.path()).unwrap());
+    assert_eq!(messages.len(), 10);
+    assert!(notes.contains(&"bag_1.mcap: is empty: passed over".into()), "{notes:?}");
+    // Alone it is an error, and so is one that the metadata name and that is not there.
+    let error = loc_sim::source::ros::open(&folder.path().join("bag_1.mcap")).err().unwrap();
+    assert!(error.to_string().contains("an empty file"), "{error}");
+    file("metadata.yaml", b"rosbag2_bagfile_information:\n  relative_file_paths: [bag_9.mcap]\n");
+    let error = drain(loc_sim::source::ros::Bag2::open(folder.path())).unwrap_err().to_string();
+    assert!(error.contains("bag_9.mcap"), "{error}");
 }

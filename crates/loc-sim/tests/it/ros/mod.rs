@@ -1,22 +1,32 @@
 //! Bags of ROS: what others wrote, what is damaged, and how messages become events.
 
+mod checksums;
+#[cfg(feature = "cli")]
+mod command;
 mod damage;
-mod foreign;
+pub(crate) mod database;
+pub(crate) mod foreign;
+mod formats;
 mod mcap_output;
+#[cfg(feature = "cli")]
+mod memory;
+#[cfg(feature = "cli")]
+mod python;
 mod real;
 mod recording;
+mod sensors;
 mod serialization;
 mod tf;
 mod transcribe;
-mod write;
+pub(crate) mod write;
 
 use loc_sim::source::ros::{Channel, MessageReader};
 
 /// A message with its channel.
-type Read = (Channel, i64, Vec<u8>);
+pub(crate) type Read = (Channel, i64, Vec<u8>);
 
 /// All messages of a bag, and its notes.
-fn all(bag: &mut dyn MessageReader) -> (Vec<Read>, Vec<String>) {
+pub(crate) fn all(bag: &mut dyn MessageReader) -> (Vec<Read>, Vec<String>) {
     let mut messages = Vec::new();
     while let Some(message) = bag.next_message().unwrap() {
         let (channel, time, data) = (message.channel, message.log_time, message.data.to_vec());

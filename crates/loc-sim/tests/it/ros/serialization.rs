@@ -139,9 +139,17 @@ fn a_slice_of_a_cloud_is_a_scan() {
     let scan = cloud.slice(&Slice { beams: 4, ..Slice::default() }).unwrap();
     assert_eq!(scan.ranges, [1.0, f32::INFINITY, 2.0, 3.0]);
     assert!((scan.angle_min + std::f32::consts::PI).abs() < 1e-6);
-    let mut lies = cloud;
+    let mut lies = cloud.clone();
     lies.width = 1000;
-    assert!(lies.slice(&Slice::default()).unwrap_err().to_string().contains("60 bytes"));
+    assert!(
+        lies.slice(&Slice::default()).unwrap_err().to_string().contains("60 bytes, rows of 60")
+    );
+    // Millions of rows that are one and the same, or of no points.
+    let mut rows = cloud.clone();
+    (rows.height, rows.row_step) = (u32::MAX, 0);
+    assert!(rows.points().unwrap_err().to_string().contains("rows of 0"));
+    (rows.width, rows.row_step) = (0, 12);
+    assert!(rows.points().unwrap().is_empty());
     lies.fields.clear();
     assert!(lies.points().unwrap_err().to_string().contains("field x"));
 }

@@ -64,13 +64,18 @@ impl Bag2 {
 
     /// Opens the next file; false where there is none.
     fn next_file(&mut self) -> Result<bool> {
+        let name =
+            |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if let Some(done) = self.current.take() {
-            let name =
-                |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let name = name(done.path());
             self.notes.extend(done.notes().into_iter().map(|note| format!("{name}: {note}")));
         }
         let Some(file) = self.files.next() else { return Ok(false) };
+        if std::fs::metadata(&file).is_ok_and(|file| file.len() == 0) {
+            // A recorder that was killed had not written anything yet.
+            self.notes.push(format!("{}: is empty: passed over", name(&file)));
+            return Ok(true);
+        }
         self.current = Some(super::open_file(&file)?);
         self.indices.clear();
         Ok(true)

@@ -5,8 +5,10 @@
 //! type and topic a message has. The reader takes the records as they come and needs no index, so
 //! that it also reads a file that was never closed.
 
+mod closing;
 mod framing;
 mod record;
+mod summed;
 mod write;
 
 pub use write::McapWriter;
@@ -16,10 +18,12 @@ use super::compression::{Compression, Unpacked};
 use super::fields::Fields;
 use super::input::Input;
 use crate::Result;
+use closing::Closing;
 use record::{Chunk, Schemas, operation};
 use std::io::{Read, Seek};
 use std::ops::Range;
 use std::path::Path;
+use summed::Summed;
 
 /// What an MCAP file starts and ends with.
 pub(super) const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n'];
@@ -27,7 +31,7 @@ pub(super) const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'
 /// An MCAP file, read from front to back.
 #[derive(Debug)]
 pub struct McapReader {
-    input: Input,
+    file: Summed,
     schemas: Schemas,
     /// The record read last.
     record: Vec<u8>,
@@ -71,8 +75,9 @@ impl McapReader {
                 magic.map_or("less".into(), |m| format!("{:?}", String::from_utf8_lossy(&m)));
             return Err(input.error_at(0, "the magic number of an MCAP file", found));
         }
-        Ok(McapReader {
-            input,
+        let closing = Closing::of(&mut input)?;
+        let mut reader = McapReader {
+            file: Summed::new(input, &closing),
             schemas: Schemas::default(),
             record: Vec::new(),
             unpacked: Vec::new(),
@@ -80,7 +85,11 @@ impl McapReader {
             ended: false,
             bad_chunks: 0,
             notes: Vec::new(),
-        })
+        };
+        if closing.summary_is_damaged {
+            reader.note("its summary has a wrong CRC: it is damaged, and not needed".into());
+        }
+        Ok(reader)
     }
 
     /// The next message: its channel, its time and where its data lie.
@@ -123,18 +132,16 @@ impl McapReader {
 
     /// Takes the next record of the file, which may be a message itself or open a chunk.
     fn next_of_file(&mut self) -> Result<Option<(usize, i64, Place)>> {
-        let start = self.input.position();
-        let Some(head) = self.input.fixed::<9>()? else {
+        let start = self.file.input.position();
+        let Some((kind, length)) = self.file.head()? else {
             self.breaks_off(start);
             return Ok(None);
         };
-        let mut fields = Fields::new(&head);
-        let (kind, length) = (fields.u8().unwrap_or(0), fields.u64().unwrap_or(0));
         match kind {
-            operation::DATA_END | operation::FOOTER => self.ended = true,
+            operation::DATA_END | operation::FOOTER => self.end_of_data(),
             operation::CHUNK => self.chunk(start, length)?,
             operation::SCHEMA | operation::CHANNEL | operation::MESSAGE => {
-                let read = self.input.read("a record", length, &mut self.record)?;
+                let read = self.file.read("a record", length, &mut self.record)?;
                 if (read as u64) < length {
                     self.breaks_off(start);
                     return Ok(None);
@@ -147,7 +154,7 @@ impl McapReader {
                 }));
             }
             _ => {
-                if !self.input.skip(length)? {
+                if !self.file.skip(length)? {
                     self.breaks_off(start);
                 }
             }
@@ -155,9 +162,17 @@ impl McapReader {
         Ok(None)
     }
 
+    fn end_of_data(&mut self) {
+        self.ended = true;
+        // A chunk that is damaged says so itself.
+        if self.file.is_damaged() && self.bad_chunks == 0 {
+            self.note("its data have a wrong CRC: something in them is damaged".into());
+        }
+    }
+
     /// Reads a chunk and unpacks it.
     fn chunk(&mut self, start: u64, length: u64) -> Result<()> {
-        let read = self.input.read("a chunk", length, &mut self.record)?;
+        let read = self.file.read("a chunk", length, &mut self.record)?;
         let is_whole = read as u64 == length;
         if !is_whole {
             self.breaks_off(start);
@@ -166,13 +181,17 @@ impl McapReader {
             if !is_whole {
                 return Ok(());
             }
-            return Err(self.input.error_at(start, "a chunk", "fields that overrun it"));
+            return Err(self.file.input.error_at(start, "a chunk", "fields that overrun it"));
         };
         let Some(compression) =
             Compression::named(&chunk.compression).filter(|c| *c != Compression::Bz2)
         else {
             let found = format!("`{}`", chunk.compression);
-            return Err(self.input.error_at(start, "a chunk packed by lz4, zstd or not", found));
+            return Err(self.file.input.error_at(
+                start,
+                "a chunk packed by lz4, zstd or not",
+                found,
+            ));
         };
         if compression == Compression::None {
             self.within = Within::Record(chunk.records.clone());
@@ -188,7 +207,7 @@ impl McapReader {
                 Unpacked::TooMuch => {
                     let found = format!("more than the {} that it claims", chunk.size);
                     let expected = "a chunk of the length in its header, at most 2^30 bytes";
-                    return Err(self.input.error_at(start, expected, found));
+                    return Err(self.file.input.error_at(start, expected, found));
                 }
                 Unpacked::Part | Unpacked::Whole => {}
             }
@@ -211,7 +230,7 @@ impl McapReader {
     }
 
     fn breaks_off(&mut self, start: u64) {
-        let length = self.input.length();
+        let length = self.file.input.length();
         self.ended = true;
         self.note(match start {
             _ if start == length => format!("was not closed: read up to its end at byte {length}"),
@@ -237,7 +256,7 @@ struct Place {
 
 impl MessageReader for McapReader {
     fn path(&self) -> &Path {
-        self.input.path()
+        self.file.input.path()
     }
 
     fn channels(&self) -> &[Channel] {
@@ -252,7 +271,7 @@ impl MessageReader for McapReader {
     }
 
     fn progress(&self) -> f64 {
-        self.input.progress()
+        self.file.input.progress()
     }
 
     fn notes(&self) -> Vec<String> {

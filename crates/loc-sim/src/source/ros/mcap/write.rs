@@ -23,6 +23,8 @@ pub struct McapWriter {
     path: PathBuf,
     file: BufWriter<File>,
     position: u64,
+    /// Checksum of what was written since the start, then since the start of the summary.
+    crc: crc32fast::Hasher,
     schemas: BTreeMap<String, u16>,
     channels: BTreeMap<String, (u16, String)>,
     /// Schemas and channels, again for the end of the file.
@@ -46,6 +48,7 @@ impl McapWriter {
             path: path.to_owned(),
             file: BufWriter::new(file),
             position: 0,
+            crc: crc32fast::Hasher::new(),
             schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
             summary: Default::default(),
@@ -196,7 +199,9 @@ impl McapWriter {
     /// [`loc_core::Error::Io`].
     pub fn finish(mut self) -> Result<u64> {
         self.close_chunk()?;
-        self.put(&framed(operation::DATA_END, &0_u32.to_le_bytes()))?;
+        let crc = std::mem::take(&mut self.crc).finalize();
+        self.put(&framed(operation::DATA_END, &crc.to_le_bytes()))?;
+        self.crc = crc32fast::Hasher::new();
         let summary_start = self.position;
         let mut groups = Vec::new();
         let [schemas, channels] = std::mem::take(&mut self.summary);
@@ -226,8 +231,14 @@ impl McapWriter {
         let mut footer = Vec::new();
         footer.extend(summary_start.to_le_bytes());
         footer.extend(offsets_start.to_le_bytes());
-        footer.extend(0_u32.to_le_bytes());
-        self.put(&framed(operation::FOOTER, &footer))?;
+        // The checksum counts the footer in, up to where it stands itself.
+        let mut crc = self.crc.clone();
+        footer.extend([0; 4]);
+        let record = framed(operation::FOOTER, &footer);
+        let (before, _) = record.split_at(record.len() - 4);
+        crc.update(before);
+        self.put(before)?;
+        self.put(&crc.finalize().to_le_bytes())?;
         self.put(&MAGIC)?;
         self.file.flush().map_err(loc_core::Error::io(&self.path))?;
         Ok(self.counts.values().sum())
@@ -252,6 +263,7 @@ impl McapWriter {
 
     fn put(&mut self, bytes: &[u8]) -> Result<()> {
         self.file.write_all(bytes).map_err(loc_core::Error::io(&self.path))?;
+        self.crc.update(bytes);
         self.position += bytes.len() as u64;
         Ok(())
     }

@@ -27,6 +27,12 @@ impl Stamp {
         self.0.div_euclid(SECOND) as f64 + self.0.rem_euclid(SECOND) as f64 / SECOND as f64
     }
 
+    /// How much later this is than another \[s\]. Times that lie farther apart than 292 years are
+    /// taken to be that far.
+    pub fn seconds_since(self, earlier: Stamp) -> f64 {
+        self.0.saturating_sub(earlier.0) as f64 * 1e-9
+    }
+
     pub(super) fn decode(decoder: &mut Decoder<'_>) -> Result<Self> {
         let seconds = match decoder.dialect() {
             Dialect::Ros1 => i64::from(decoder.u32("seconds of the stamp")?),

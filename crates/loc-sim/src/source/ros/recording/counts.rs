@@ -11,6 +11,7 @@ pub(super) struct Counts {
     pub(super) without_odometry: u64,
     pub(super) without_transform: u64,
     pub(super) why_without_transform: Option<Error>,
+    pub(super) without_measurement: u64,
     pub(super) out_of_order: u64,
     pub(super) zero_stamps: u64,
     pub(super) bad_transforms: usize,
@@ -34,6 +35,10 @@ impl Counts {
             (self.unreadable, format!("messages that cannot be used{why}")),
             (self.without_odometry, "scans without odometry before and after them".into()),
             (self.without_transform, format!("scans without the place of the laser{place}")),
+            (
+                self.without_measurement,
+                "messages without a fix, or of half an inertial unit".into(),
+            ),
             (self.out_of_order, "messages with a stamp not after the one before".into()),
             (self.zero_stamps, "messages with stamp 0, taken at the time of recording".into()),
             (self.bad_transforms as u64, "transforms that are no rigid motions".into()),

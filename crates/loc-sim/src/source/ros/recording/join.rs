@@ -1,20 +1,21 @@
 //! Scans, odometry and true poses, brought into one order of time.
 
+use super::beside::{Satellites, in_the_middle};
 use super::counts::Counts;
 use super::noise::NoisyOdometry;
-use super::preview::{Preview, transforms};
-use super::roles::{OdometryFrom, ReferenceFrom, Roles};
+use super::preview::Preview;
+use super::roles::{ReferenceFrom, Roles};
 use super::scan::{converted, level};
 use super::{RosOptions, unsuitable};
+use crate::event::Measurement;
 use crate::source::laser_log::{Entry, RecordedScan};
 use crate::source::ros::bag::{Channel, MessageReader};
-use crate::source::ros::messages::{
-    self, Message, MultiEchoLaserScan, Odometry, PointCloud2, PoseStamped,
-    PoseWithCovarianceStamped, Slice, Stamp, TfMessage,
-};
+use crate::source::ros::messages::{self, Stamp};
 use crate::source::ros::tf::TransformBuffer;
 use crate::{Error, Result};
-use loc_core::Pose2;
+use loc_core::nalgebra::Isometry3;
+use loc_core::{Gaussian, Pose2};
+use loc_sensors::imu::ImuReading;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -27,14 +28,17 @@ pub(super) struct Join {
     pub(super) roles: Roles,
     mounting: Option<Pose2>,
     odometry_delay: i64,
-    frames: TransformBuffer,
+    pub(super) frames: TransformBuffer,
     noise: Option<NoisyOdometry>,
+    pub(super) satellites: Satellites,
     /// Odometry around what waits, in order of time; `passed` of it are given out.
     pub(super) odometry: VecDeque<(Stamp, Pose2)>,
     pub(super) waiting: VecDeque<(Stamp, Waiting)>,
     pub(super) ready: VecDeque<Entry>,
     pub(super) latest_scan: Option<Stamp>,
     pub(super) latest_truth: Option<Stamp>,
+    /// Of the inertial unit and of the satellite receiver.
+    pub(super) latest_beside: [Option<Stamp>; 2],
     pub(super) given: Stamp,
     ended: bool,
     last_stamp: Option<Stamp>,
@@ -47,6 +51,9 @@ pub(super) struct Join {
 pub(super) enum Waiting {
     Scan(messages::LaserScan),
     Truth(Pose2),
+    /// A sample with the frame of its unit.
+    Inertial(String, ImuReading),
+    Position(Gaussian<2>),
 }
 
 impl Join {
@@ -63,11 +70,13 @@ impl Join {
             odometry_delay: Stamp::from_seconds(options.odometry_delay).0,
             frames: preview.frames,
             noise: options.odometry_noise.map(|(noise, seed)| NoisyOdometry::new(noise, seed)),
+            satellites: Satellites::default(),
             odometry: VecDeque::new(),
             waiting: VecDeque::new(),
             ready: VecDeque::new(),
             latest_scan: None,
             latest_truth: None,
+            latest_beside: [None; 2],
             given: Stamp(i64::MIN),
             ended: false,
             last_stamp: preview.last_stamp,
@@ -121,78 +130,7 @@ impl Join {
         }
     }
 
-    fn take_message(&mut self, channel: &Channel, log_time: Stamp, data: &[u8]) -> Result<()> {
-        let topic = &channel.topic;
-        if let Some(moving) = transforms(channel) {
-            let message = TfMessage::from_bytes(data, &channel.encoding)?;
-            if let OdometryFrom::Transform(parent) = &self.roles.odometry {
-                let plain = |frame: &str| frame.trim_start_matches('/').to_owned();
-                let own = message.transforms.iter().filter(|transform| {
-                    plain(&transform.header.frame_id) == *parent
-                        && plain(&transform.child_frame_id) == self.roles.base
-                });
-                let own: Vec<_> = own.map(|t| (t.header.stamp, t.transform.planar())).collect();
-                for (stamp, pose) in own {
-                    self.take_odometry(stamp, log_time, pose);
-                }
-            }
-            self.counts.bad_transforms += self.frames.insert_all(&message, moving);
-        } else if *topic == self.roles.scans {
-            self.take_scan(channel, log_time, data)?;
-        } else if OdometryFrom::Topic(topic.clone()) == self.roles.odometry {
-            let message = Odometry::from_bytes(data, &channel.encoding)?;
-            self.take_odometry(message.header.stamp, log_time, message.pose.pose.planar());
-        } else if ReferenceFrom::Topic(topic.clone()) == self.roles.reference {
-            self.take_truth(channel, log_time, data)?;
-        }
-        Ok(())
-    }
-
-    fn take_scan(&mut self, channel: &Channel, log_time: Stamp, data: &[u8]) -> Result<()> {
-        self.counts.scans += 1;
-        let encoding = &channel.encoding;
-        let scan = if channel.is_of(MultiEchoLaserScan::NAME) {
-            MultiEchoLaserScan::from_bytes(data, encoding)?.first_echo()
-        } else if channel.is_of(PointCloud2::NAME) {
-            PointCloud2::from_bytes(data, encoding)?.slice(&Slice::default())?
-        } else {
-            messages::LaserScan::from_bytes(data, encoding)?
-        };
-        let stamp = self.stamp(scan.header.stamp, log_time);
-        if self.latest_scan.is_some_and(|latest| stamp <= latest) {
-            self.counts.out_of_order += 1;
-            return Ok(());
-        }
-        self.latest_scan = Some(stamp);
-        self.wait(stamp, Waiting::Scan(scan));
-        Ok(())
-    }
-
-    fn take_truth(&mut self, channel: &Channel, log_time: Stamp, data: &[u8]) -> Result<()> {
-        let encoding = &channel.encoding;
-        let (header, pose) = if channel.is_of(Odometry::NAME) {
-            let message = Odometry::from_bytes(data, encoding)?;
-            (message.header, message.pose.pose)
-        } else if channel.is_of(PoseStamped::NAME) {
-            let message = PoseStamped::from_bytes(data, encoding)?;
-            (message.header, message.pose)
-        } else {
-            let message = PoseWithCovarianceStamped::from_bytes(data, encoding)?;
-            (message.header, message.pose.pose)
-        };
-        let stamp = self.stamp(header.stamp, log_time);
-        let late = self.latest_truth.is_some_and(|latest| stamp <= latest);
-        match pose.planar() {
-            Some(pose) if !late => {
-                self.latest_truth = Some(stamp);
-                self.wait(stamp, Waiting::Truth(pose));
-            }
-            _ => self.counts.out_of_order += 1,
-        }
-        Ok(())
-    }
-
-    fn take_odometry(&mut self, stamp: Stamp, log_time: Stamp, pose: Option<Pose2>) {
+    pub(super) fn take_odometry(&mut self, stamp: Stamp, log_time: Stamp, pose: Option<Pose2>) {
         let stamp = self.stamp(stamp, log_time);
         let stamp = Stamp(stamp.0.saturating_add(self.odometry_delay));
         let late = self.odometry.back().is_some_and(|(latest, _)| stamp <= *latest);
@@ -203,23 +141,6 @@ impl Join {
             }
             _ => self.counts.out_of_order += 1,
         }
-    }
-
-    /// The stamp of a message, or the time at which it was recorded where it has none.
-    fn stamp(&mut self, stamp: Stamp, log_time: Stamp) -> Stamp {
-        if stamp != Stamp(0) {
-            return stamp;
-        }
-        self.counts.zero_stamps += 1;
-        log_time
-    }
-
-    fn wait(&mut self, stamp: Stamp, what: Waiting) {
-        // Of what belongs to the same time, a scan comes before the pose that judges it.
-        let is_scan = matches!(what, Waiting::Scan(_));
-        let after = |known: Stamp| known > stamp || (is_scan && known == stamp);
-        let later = self.waiting.iter().rev().take_while(|(known, _)| after(*known)).count();
-        self.waiting.insert(self.waiting.len() - later, (stamp, what));
     }
 
     /// A scan with the place of its laser and, where the transforms say it, of the robot.
@@ -247,6 +168,22 @@ impl Join {
         Ok(RecordedScan { scan, mounting, odometry, truth })
     }
 
+    /// A sample in the robot's middle; a unit without a frame sits there.
+    pub(super) fn inertial(
+        &self,
+        frame: &str,
+        reading: &ImuReading,
+        stamp: Stamp,
+    ) -> Result<Measurement> {
+        let place = match frame {
+            "" => Isometry3::identity(),
+            frame => self.frames.lookup(&self.roles.base, frame, stamp, HOLD)?,
+        };
+        let reading = in_the_middle(reading, &place);
+        reading.check()?;
+        Ok(Measurement::Inertial(reading))
+    }
+
     /// The error of a bag of which no scan could be used.
     pub(super) fn no_scans(&mut self) -> Error {
         if let Some(error) = self.counts.why_without_transform.take() {
@@ -269,7 +206,9 @@ impl Join {
                 Some(format!("reference: the recorded transform from {map}, itself an estimate"))
             }
         };
-        self.bag.notes().into_iter().chain(reference).chain(self.counts.notes()).collect()
+        let notes = self.bag.notes().into_iter().chain(reference).chain(self.satellites.note());
+        let notes = notes.chain(self.roles.not_chosen.iter().cloned());
+        notes.chain(self.counts.notes()).collect()
     }
 }
 

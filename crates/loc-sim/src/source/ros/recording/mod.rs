@@ -8,6 +8,7 @@
 //! Messages come in order of arrival, but belong to the time of their stamps: a scan waits until
 //! the odometry has passed its stamp, and gets the pose that lies between the two around it.
 
+mod beside;
 mod counts;
 mod join;
 mod noise;
@@ -16,6 +17,7 @@ mod order;
 mod preview;
 mod roles;
 mod scan;
+mod take;
 
 pub use options::RosOptions;
 

@@ -13,6 +13,10 @@ pub struct RosOptions {
     /// The topic with the true poses, `/tf` for the transform from the map that was recorded, or
     /// `none`; found by its name where left out.
     pub reference_topic: Option<String>,
+    /// The topic of the inertial unit, or `none`; the only one of its type where left out.
+    pub imu_topic: Option<String>,
+    /// The topic of the satellite receiver, or `none`; the only one of its type where left out.
+    pub fix_topic: Option<String>,
     /// Where the laser sits on the robot, in place of what the transforms say.
     pub mounting: Option<Pose2>,
     /// How much later than its stamp the robot was where its odometry says \[s\]; negative for an

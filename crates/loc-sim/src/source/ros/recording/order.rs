@@ -3,6 +3,7 @@
 use super::join::{Join, Waiting};
 use super::roles::ReferenceFrom;
 use crate::Error;
+use crate::event::Measurement;
 use crate::source::laser_log::{Entry, What};
 use crate::source::ros::messages::Stamp;
 use loc_core::Pose2;
@@ -21,6 +22,9 @@ impl Join {
         if matches!(self.roles.reference, ReferenceFrom::Topic(_)) {
             latest.push(self.latest_truth);
         }
+        let topics = [&self.roles.inertial, &self.roles.satellites];
+        let beside = self.latest_beside.iter().zip(topics);
+        latest.extend(beside.filter(|(_, topic)| topic.is_some()).map(|(stamp, _)| *stamp));
         let newest = latest.iter().flatten().max()?;
         let impatient = Stamp(newest.0.saturating_sub(PATIENCE));
         let common = latest.iter().copied().min()?;
@@ -64,6 +68,19 @@ impl Join {
             self.counts.out_of_order += 1;
             return;
         }
+        let beside = match &what {
+            Waiting::Inertial(frame, reading) => Some(self.inertial(frame, reading, stamp)),
+            Waiting::Position(position) => Some(Ok(Measurement::Position(*position))),
+            Waiting::Scan(_) | Waiting::Truth(_) => None,
+        };
+        match beside {
+            Some(Ok(measured)) => {
+                let what = What::Measured(measured);
+                return self.ready.push_back(Entry { stamp: stamp.seconds(), what });
+            }
+            Some(Err(error)) => return self.counts.unreadable(error.to_string()),
+            None => {}
+        }
         let Some(odometry) = self.odometry_at(stamp) else {
             self.counts.without_odometry += u64::from(matches!(what, Waiting::Scan(_)));
             return;
@@ -84,6 +101,7 @@ impl Join {
                 }
                 Err(error) => self.counts.unreadable(error.to_string()),
             },
+            Waiting::Inertial(..) | Waiting::Position(_) => {}
         }
     }
 
@@ -95,8 +113,8 @@ impl Join {
             return Some(second);
         }
         let (from, first) = *self.odometry.get(after.checked_sub(1)?)?;
-        let gap = (to.0 - from.0) as f64 * 1e-9;
-        let share = (stamp.0 - from.0) as f64 * 1e-9 / gap;
+        let gap = to.seconds_since(from);
+        let share = stamp.seconds_since(from) / gap;
         let step = first.between(second);
         (gap <= LONGEST_GAP).then(|| first * Pose2::exp(&(share * step.log())))
     }

@@ -3,7 +3,7 @@
 use super::{Preview, RosOptions, unsuitable};
 use crate::Result;
 use crate::source::ros::messages::{
-    LaserScan, Message, MultiEchoLaserScan, Odometry, PointCloud2, PoseStamped,
+    Imu, LaserScan, Message, MultiEchoLaserScan, NavSatFix, Odometry, PointCloud2, PoseStamped,
     PoseWithCovarianceStamped,
 };
 use crate::source::ros::survey::Topic;
@@ -17,6 +17,11 @@ pub(super) struct Roles {
     /// The frame of the robot.
     pub(super) base: String,
     pub(super) reference: ReferenceFrom,
+    /// The topic of an inertial unit, and of a satellite receiver.
+    pub(super) inertial: Option<String>,
+    pub(super) satellites: Option<String>,
+    /// Topics that nobody has chosen from, as lines for the user.
+    pub(super) not_chosen: Vec<String>,
 }
 
 /// Where the odometry comes from.
@@ -71,7 +76,20 @@ impl Roles {
         };
         let base = base.trim_start_matches('/').to_owned();
         let reference = reference(&chooser, preview, options)?;
-        Ok(Roles { scans, odometry, base, reference })
+        let mut roles = Roles {
+            scans,
+            odometry,
+            base,
+            reference,
+            inertial: None,
+            satellites: None,
+            not_chosen: Vec::new(),
+        };
+        let several = &mut roles.not_chosen;
+        roles.inertial = chooser.beside("--imu-topic", &options.imu_topic, Imu::NAME, several)?;
+        roles.satellites =
+            chooser.beside("--fix-topic", &options.fix_topic, NavSatFix::NAME, several)?;
+        Ok(roles)
     }
 }
 
@@ -159,6 +177,30 @@ impl Chooser<'_> {
                 Err(unsuitable(self.path, expected, several.join(", ")))
             }
         }
+    }
+
+    /// The topic of a sensor that nobody has to have: the one named, where it is not `none`, or
+    /// the only one. Several are left out, and a line for the user goes into `several`.
+    fn beside(
+        &self,
+        option: &str,
+        named: &Option<String>,
+        kind: &str,
+        several: &mut Vec<String>,
+    ) -> Result<Option<String>> {
+        match named.as_deref() {
+            Some("none") => return Ok(None),
+            Some(_) => return self.choose(option, named, &[kind], "a sensor"),
+            None => {}
+        }
+        let kinds = [kind];
+        let topics: Vec<&str> = self.of(&kinds).map(|topic| topic.channel.topic.as_str()).collect();
+        if topics.len() > 1 {
+            let topics = topics.join(", ");
+            several.push(format!("{topics} are left out: {option} chooses one of them"));
+            return Ok(None);
+        }
+        Ok(topics.first().map(|topic| (*topic).to_owned()))
     }
 
     fn missing(&self, expected: &str) -> crate::Error {

@@ -33,7 +33,7 @@ impl Edge {
             _ => self.moving.insert(place, (stamp, transform)),
         }
         while let (Some((first, _)), Some((last, _))) = (self.moving.front(), self.moving.back()) {
-            if seconds_between(*first, *last) <= keep && self.moving.len() <= MOST {
+            if last.seconds_since(*first) <= keep && self.moving.len() <= MOST {
                 break;
             }
             self.moving.pop_front();
@@ -55,11 +55,11 @@ impl Edge {
         match (before, self.moving.get(after)) {
             (_, Some((at, transform))) if *at == stamp => Ok(*transform),
             (Some((from, first)), Some((to, second))) => {
-                let share = seconds_between(*from, stamp) / seconds_between(*from, *to);
+                let share = stamp.seconds_since(*from) / to.seconds_since(*from);
                 Ok(interpolate(first, second, share))
             }
             (Some((at, transform)), None) | (None, Some((at, transform)))
-                if seconds_between(*at, stamp).abs() <= hold =>
+                if stamp.seconds_since(*at).abs() <= hold =>
             {
                 Ok(*transform)
             }
@@ -74,11 +74,6 @@ impl Edge {
             }),
         }
     }
-}
-
-/// From a time to another \[s\].
-fn seconds_between(from: Stamp, to: Stamp) -> f64 {
-    to.0.saturating_sub(from.0) as f64 * 1e-9
 }
 
 fn interpolate(a: &Isometry3<f64>, b: &Isometry3<f64>, share: f64) -> Isometry3<f64> {
