@@ -4,7 +4,7 @@
 
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use loc_core::{Gaussian, Pose2, Twist2};
-use loc_filters::slam::{EkfSlam, SlamSettings};
+use loc_filters::slam::{EkfSlam, Jacobians, SlamSettings};
 use loc_sensors::landmark_camera::{Sight, Sighting};
 use nalgebra::{DMatrix, DVector, Matrix2};
 use std::hint::black_box;
@@ -70,6 +70,12 @@ fn updates(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("loc-filters", n), |bencher| {
             bencher.iter(|| slam.correct(black_box(&seen)).expect("finite"));
         });
+        let textbook = SlamSettings { jacobians: Jacobians::Current, ..SlamSettings::default() };
+        let mut slam = driven(n, textbook);
+        let seen = sightings(&slam, 1);
+        group.bench_function(BenchmarkId::new("loc-filters, textbook", n), |bencher| {
+            bencher.iter(|| slam.correct(black_box(&seen)).expect("finite"));
+        });
         let size = 3 + 2 * n as usize;
         let mut half = vec![1.0_f64; size * (size + 1) / 2];
         group.bench_function(BenchmarkId::new("read and write half", n), |bencher| {
@@ -129,7 +135,11 @@ fn updates(c: &mut Criterion) {
 fn submap(c: &mut Criterion) {
     let mut group = c.benchmark_group("ekf-slam/20-of-2000");
     // So small that the landmarks in hand are those that were seen, and no others.
-    let settings = SlamSettings { submap_radius: Some(0.1), ..SlamSettings::default() };
+    let settings = SlamSettings {
+        submap_radius: Some(0.1),
+        jacobians: Jacobians::First,
+        ..SlamSettings::default()
+    };
     let mut slam = driven(2000, settings);
     let seen = sightings(&slam, 20);
     slam.correct(&seen).expect("finite");

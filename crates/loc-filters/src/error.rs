@@ -70,6 +70,12 @@ pub enum Error {
         /// Its elements.
         found: String,
     },
+    /// A part of the map is to stand for all of it in a filter that turns the whole map.
+    #[error(
+        "SLAM on submaps: expected the jacobians `current` or `first`, got `invariant`, by which \
+         a correction of the heading turns the whole map"
+    )]
+    SubmapTurns,
     /// An input belongs to a time so far back that the filter has forgotten it.
     #[error(
         "{what} at {stamp} s: expected at most {horizon} s before {newest} s, the newest input"

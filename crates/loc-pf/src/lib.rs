@@ -2,6 +2,7 @@
 
 pub mod adaptive;
 pub mod confidence;
+pub mod delay;
 mod elementary;
 mod error;
 pub mod estimate;

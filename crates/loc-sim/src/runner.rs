@@ -2,10 +2,13 @@
 
 use crate::event::{Event, Measurement, Payload, Truth};
 use crate::localizer::{Judgement, Localizer, Method, MethodSettings, smoothed};
+use crate::metrics::BeamFit;
 use crate::record::{LineMoments, MethodRecord, Run, Snapshots};
 use crate::source::{Setup, Source};
 use crate::{Error, Result};
-use loc_core::Stamped;
+use loc_core::{Pose2, Stamped};
+use loc_sensors::laser::LaserScan;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Shortest time between two estimates that are asked for \[s\].
@@ -119,10 +122,14 @@ pub fn run_watched(
         false => is_measurement,
     };
     let (mut stamps, mut truth): (Vec<f64>, Vec<Stamped<Truth>>) = Default::default();
+    let mut last_scan = None;
     while let Some(event) = source.next_event()? {
         watcher.event(&event)?;
         tape.keep(&event);
         runners.iter_mut().try_for_each(|runner| runner.take(&event))?;
+        if let Payload::Measurement(Measurement::Scan { scan, mounting }) = &event.payload {
+            last_scan = Some((scan.clone(), *mounting));
+        }
         let due = stamps.last().map_or(setup.start, |last| last + PERIOD);
         if !samples_at(&event) || event.stamp < due - ROUNDING {
             continue;
@@ -140,8 +147,11 @@ pub fn run_watched(
     if stamps.is_empty() {
         return Err(Error::NoTruth { source_name: setup.name });
     }
-    let notes = source.notes();
-    let mut methods: Vec<_> = runners.into_iter().map(Runner::finish).collect::<Result<_>>()?;
+    let mut notes = source.notes();
+    notes.extend(runners.iter().flat_map(Runner::notes));
+    let last_scan = last_scan.map(|scan| LastScan::new(&setup, scan)).transpose()?.flatten();
+    let finish = |runner: Runner| runner.finish(last_scan.as_ref());
+    let mut methods: Vec<_> = runners.into_iter().map(finish).collect::<Result<_>>()?;
     methods.extend(tape.smoothed(&setup, settings, &stamps, &methods)?);
     Ok(Run {
         setup,
@@ -151,6 +161,7 @@ pub fn run_watched(
         truth_has_heading: source.truth_has_heading(),
         methods,
         sensor_truth: source.sensor_truth(),
+        odometry_timing: source.odometry_timing(),
         notes,
         film: None,
     })
@@ -181,6 +192,25 @@ fn is_scan(event: &Event) -> bool {
 
 fn is_measurement(event: &Event) -> bool {
     matches!(event.payload, Payload::Measurement(_))
+}
+
+/// The last scan of a run, by which every method is judged.
+struct LastScan {
+    walls: BeamFit,
+    scan: Arc<LaserScan>,
+    mounting: Pose2,
+}
+
+impl LastScan {
+    /// `None` without a map.
+    fn new(setup: &Setup, (scan, mounting): (Arc<LaserScan>, Pose2)) -> Result<Option<Self>> {
+        let walls = setup.map.as_ref().map(|map| BeamFit::new(map)).transpose()?;
+        Ok(walls.map(|walls| LastScan { walls, scan, mounting }))
+    }
+
+    fn fit(&self, pose: Pose2) -> Option<f64> {
+        self.walls.share(pose, &self.scan, self.mounting)
+    }
 }
 
 /// The events that are kept for smoothing, where that is wanted.
@@ -233,6 +263,7 @@ impl Tape {
                 beliefs: Snapshots::new(setup.kidnapped_at),
                 lines: LineMoments::new(setup.start, setup.end),
                 map: None,
+                beam_fit: None,
                 updates: self.events.len(),
                 runtime,
             });
@@ -245,6 +276,8 @@ impl Tape {
 struct Runner {
     localizer: Box<dyn Localizer>,
     record: MethodRecord,
+    /// The pose at the last scan.
+    at_scan: Option<Pose2>,
 }
 
 impl Runner {
@@ -261,10 +294,11 @@ impl Runner {
             beliefs: Snapshots::new(setup.kidnapped_at),
             lines: LineMoments::new(setup.start, setup.end),
             map: None,
+            beam_fit: None,
             updates: 0,
             runtime: 0.0,
         };
-        let mut runner = Runner { localizer, record };
+        let mut runner = Runner { localizer, record, at_scan: None };
         runner.keep_belief(setup.start);
         Ok(runner)
     }
@@ -296,14 +330,25 @@ impl Runner {
         if matches!(event.payload, Payload::Measurement(_)) {
             self.keep_belief(stamp);
         }
+        if is_scan(event) {
+            self.at_scan = Some(self.localizer.estimate(stamp)?.pose);
+        }
         if let Some(update) = self.localizer.lines().filter(|_| is_scan(event)) {
             self.record.lines.offer(stamp, update);
         }
         Ok(())
     }
 
-    fn finish(self) -> Result<MethodRecord> {
-        Ok(MethodRecord { map: self.localizer.map()?, ..self.record })
+    /// What the method has to say, with its name.
+    fn notes(&self) -> Vec<String> {
+        let name = self.record.name();
+        self.localizer.notes().into_iter().map(|note| format!("{name}: {note}")).collect()
+    }
+
+    fn finish(self, last: Option<&LastScan>) -> Result<MethodRecord> {
+        let map = self.localizer.map()?;
+        let beam_fit = last.zip(self.at_scan).and_then(|(last, pose)| last.fit(pose));
+        Ok(MethodRecord { map, beam_fit, ..self.record })
     }
 
     fn estimate(&mut self, stamp: f64) -> Result<()> {

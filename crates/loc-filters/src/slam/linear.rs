@@ -116,7 +116,7 @@ impl LinearSlam {
                 }
             }
             if !rows.is_empty() {
-                self.state.correct(&rows)?;
+                self.state.correct(&rows, None)?;
             }
             for (place, sighting) in new {
                 innovations[place] = self.welcome(&sighting)?;
@@ -153,7 +153,7 @@ impl LinearSlam {
             let mut rows = Vec::with_capacity(2);
             let innovation = self.judge(landmark, sighting, &mut rows)?;
             if !rows.is_empty() {
-                self.state.correct(&rows)?;
+                self.state.correct(&rows, None)?;
             }
             return Ok(Some(innovation));
         }

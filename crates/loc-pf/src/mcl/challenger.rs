@@ -90,7 +90,7 @@ impl Mcl {
     fn weigh_challenger(&mut self, step: &Step, scans: &[MountedScan<'_>]) -> Result<()> {
         let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
         let beams = self.familiar(step, scans, beams)?;
-        let endpoints = self.agreeing(step, endpoints(scans, &beams));
+        let endpoints = self.agreeing(step, endpoints(scans, &beams, self.range_offset()));
         let scan = self.surroundings.observe(scans, &beams, &endpoints, &self.settings)?;
         self.belief.track_elsewhere(step, &scan);
         Ok(())
@@ -100,7 +100,7 @@ impl Mcl {
     /// too that either would not expect.
     fn gain(&self, cloud: &Particles, scans: &[MountedScan<'_>]) -> Result<f64> {
         let beams: Vec<_> = scans.iter().map(|s| select(s.scan, &self.settings)).collect();
-        let endpoints = endpoints(scans, &beams);
+        let endpoints = endpoints(scans, &beams, self.range_offset());
         let scan = self.surroundings.observe(scans, &beams, &endpoints, &self.settings)?;
         let tracked = self.belief.filter.particles();
         Ok(fit(&scan, cloud) - fit(&scan, tracked))

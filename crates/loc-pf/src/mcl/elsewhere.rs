@@ -55,9 +55,10 @@ impl Mcl {
     /// All beams are looked at, those too that a filter against people drops: it does so by what
     /// the tracked belief expects.
     fn look_around(&mut self, scans: &[MountedScan<'_>]) -> Result<Found> {
+        let offset = self.range_offset();
         let Mcl { surroundings, belief, rater, clusterer, settings, .. } = self;
         let beams: Vec<_> = scans.iter().map(|s| select(s.scan, settings)).collect();
-        let endpoints = endpoints(scans, &beams);
+        let endpoints = endpoints(scans, &beams, offset);
         let scan = surroundings.observe(scans, &beams, &endpoints, settings)?;
         let mut shift = |pose: Pose2| {
             rater.rate(pose, scans).map_or(f64::INFINITY, |fit| settings.lost.shift(&fit))

@@ -31,6 +31,7 @@ mod field;
 mod observation;
 #[cfg(feature = "serde")]
 mod optional;
+mod range_offset;
 mod recover;
 mod settings;
 mod start;
@@ -40,6 +41,7 @@ mod surroundings;
 mod update;
 
 pub use observation::MountedScan;
+pub use range_offset::{RangeOffset, RangeOffsetEstimate};
 pub use settings::{
     FieldSettings, MclSettings, MotionSettings, NoveltyFilter, RecoverySettings, SensorSettings,
     Weighting,
@@ -74,6 +76,8 @@ pub struct Mcl {
     monitor: LostMonitor,
     /// Where else the robot may be, after a search.
     challenger: Option<Challenger>,
+    /// How much the ranges are short of the map's walls.
+    offset: RangeOffsetEstimate,
 }
 
 impl Mcl {
@@ -102,6 +106,7 @@ impl Mcl {
             rater,
             monitor,
             challenger: None,
+            offset: RangeOffsetEstimate::default(),
         };
         mcl.start_anywhere();
         Ok(mcl)
@@ -140,6 +145,22 @@ impl Mcl {
     /// update.
     pub fn map_from_odom(&self) -> Option<Pose2> {
         self.path.map(|path| self.estimate.belief.pose() * path.start().inverse())
+    }
+
+    /// What is added to every range that a laser measures \[m\]: fixed by the settings, or
+    /// estimated and significant.
+    pub fn range_offset(&self) -> f64 {
+        match self.settings.range_offset {
+            RangeOffset::Fixed(offset) => offset,
+            RangeOffset::Estimated => {
+                self.offset.significant(self.surroundings.field.frame().resolution())
+            }
+        }
+    }
+
+    /// What the scans said about that, see [`RangeOffset::Estimated`].
+    pub fn range_offset_estimate(&self) -> &RangeOffsetEstimate {
+        &self.offset
     }
 
     /// The probability that the robot is not where the last update put it, to within

@@ -47,18 +47,22 @@ pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
         }
         SensorSettings::LikelihoodField(_) => {
             let range = settings.min_range..=settings.max_range;
-            let beams = scan.beams().filter(|beam| range.contains(&beam.range));
+            // What reports its greatest range has met nothing.
+            let returned = |beam: &Beam| beam.range < scan.range_max;
+            let beams = scan.beams().filter(|beam| range.contains(&beam.range) && returned(beam));
             thinned(beams.map(|beam| beam.index).collect(), settings.beams)
         }
     }
 }
 
-/// Where the chosen beams of all scans end, in the robot's frame.
-pub(super) fn endpoints(scans: &[MountedScan<'_>], beams: &[Vec<usize>]) -> Endpoints {
+/// Where the chosen beams of all scans end, in the robot's frame, if all ranges are `offset` \[m\]
+/// longer than measured.
+pub(super) fn endpoints(scans: &[MountedScan<'_>], beams: &[Vec<usize>], offset: f64) -> Endpoints {
     let ends = scans.iter().zip(beams).flat_map(|(mounted, beams)| {
         let returned = beams.iter().map(|&index| (index, mounted.scan.ranges[index]));
         let returned = returned.filter(|(_, range)| mounted.scan.is_valid(*range));
         returned.map(|(index, range)| {
+            let range = (range + offset).max(0.0);
             let beam = Beam { index, angle: mounted.scan.angle(index), range };
             mounted.mounting.transform(&beam.point())
         })

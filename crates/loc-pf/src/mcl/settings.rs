@@ -1,5 +1,6 @@
 //! All settings of Monte Carlo localization, with defaults that serve most robots.
 
+use super::RangeOffset;
 use crate::confidence::LostSettings;
 use crate::estimate::ClusterSettings;
 use crate::motion::{OmnidirectionalNoise, PathNoise};
@@ -35,6 +36,8 @@ pub struct MclSettings {
     pub min_range: f64,
     /// Beams longer than this are not used by the likelihood field \[m\] (`laser_max_range`).
     pub max_range: f64,
+    /// What is added to every range \[m\].
+    pub range_offset: RangeOffset,
     /// Drops beams that people or new furniture cut short (K3); `None` for none.
     #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
     pub novelty: Option<NoveltyFilter>,
@@ -194,6 +197,7 @@ impl Default for MclSettings {
             independent_beams: 20.0,
             min_range: 0.0,
             max_range: 100.0,
+            range_offset: RangeOffset::default(),
             novelty: None,
             tempering: Some(TemperingSettings::default()),
             update_distance: 0.1,
@@ -209,6 +213,14 @@ impl Default for MclSettings {
 }
 
 impl MclSettings {
+    /// Whether the filter is to find out how much the ranges are short: the likelihoods of the
+    /// field are multiplied.
+    pub(super) fn estimates_range_offset(&self) -> bool {
+        let is_product = matches!(&self.sensor,
+            SensorSettings::LikelihoodField(field) if field.weighting == Weighting::Product);
+        is_product && self.range_offset == RangeOffset::Estimated
+    }
+
     /// Checks every number.
     ///
     /// # Errors
@@ -239,6 +251,7 @@ impl MclSettings {
         positive("max_range [m]", self.max_range)?;
         non_negative("update_distance [m]", self.update_distance)?;
         non_negative("update_turn [rad]", self.update_turn)?;
+        self.range_offset.validate()?;
         match &self.novelty {
             Some(NoveltyFilter::Distance(filter)) => filter.validate()?,
             Some(NoveltyFilter::Entropy(filter)) => filter.validate()?,

@@ -1,7 +1,7 @@
 //! What a filter knows, to be kept over a restart of the robot.
 
-use super::Mcl;
 use super::challenger::Challenger;
+use super::{Mcl, RangeOffsetEstimate};
 use crate::confidence::LostMonitor;
 use crate::motion::DrivenPath;
 use crate::recovery::{AugmentedMcl, Suspicion};
@@ -25,6 +25,7 @@ pub struct MclState {
     augmented: Option<AugmentedMcl>,
     monitor: LostMonitor,
     challenger: Option<Challenger>,
+    offset: RangeOffsetEstimate,
 }
 
 impl Mcl {
@@ -43,6 +44,7 @@ impl Mcl {
             augmented: belief.augmented,
             monitor: self.monitor,
             challenger: self.challenger.clone(),
+            offset: self.offset,
         }
     }
 
@@ -66,7 +68,7 @@ impl Mcl {
         belief.updates_since_resampling = state.updates_since_resampling;
         (belief.suspicion, belief.augmented) = (state.suspicion, state.augmented);
         self.monitor = state.monitor;
-        self.challenger = state.challenger;
+        (self.challenger, self.offset) = (state.challenger, state.offset);
         self.estimate = self.clusterer.estimate(belief.filter.particles());
         Ok(())
     }

@@ -89,7 +89,8 @@ impl Mcl {
         self.path = Some(DrivenPath::starting_at(path.end()));
         let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
         let beams = self.familiar(&step, scans, beams)?;
-        let endpoints = self.agreeing(&step, endpoints(scans, &beams));
+        let offset = self.range_offset();
+        let endpoints = self.agreeing(&step, endpoints(scans, &beams, offset));
         let scan = self.surroundings.observe(scans, &beams, &endpoints, &self.settings)?;
         let report = self.belief.update(&step, &scan, &endpoints, &self.surroundings);
         let particles = self.belief.filter.particles();
@@ -101,6 +102,9 @@ impl Mcl {
             .both(|| rater.rate_by(workers, pose, scans), || tolerance.support(particles, pose));
         self.monitor.update(fit, support);
         let searched = report.searched || self.challenge(&step, scans)?;
+        if self.settings.estimates_range_offset() && !searched && self.lost() < SURE {
+            self.offset.update(&self.surroundings.field, scans, &beams, pose, offset);
+        }
         Ok(UpdateReport { searched, ..report })
     }
 
@@ -139,6 +143,9 @@ impl Mcl {
         predicted
     }
 }
+
+/// A scan tells an offset of the ranges where the robot is lost with less than this probability.
+const SURE: f64 = 0.1;
 
 fn check(odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<()> {
     finite("x of the odometry [m]", odometry.x)?;

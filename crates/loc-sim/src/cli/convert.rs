@@ -118,7 +118,7 @@ fn open(args: &ConvertArgs, format: Format) -> Result<Box<dyn Source>> {
     let options = ReplayOptions { start: Start::Anywhere, ..ReplayOptions::default() };
     let replayed = |log: LaserLog| LaserRecording::new(log, &options);
     Ok(match format {
-        Format::Ros => Box::new(RosRecording::open(log, &options, &args.ros.options(0)?)?),
+        Format::Ros => Box::new(RosRecording::open(log, &options, &args.ros.as_it_is(0)?)?),
         Format::Carmen => Box::new(replayed(CarmenLog::open(log)?.laser_log()?)?),
         Format::Wean => Box::new(replayed(WeanLog::open(log)?.laser_log()?)?),
         Format::Mrclam => Box::new(Mrclam::open(log, args.robot)?),

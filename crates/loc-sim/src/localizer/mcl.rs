@@ -63,6 +63,20 @@ impl Localizer for ScanMcl {
         clusters.map(|c| Hypothesis { share: c.share, belief: c.belief }).collect()
     }
 
+    fn notes(&self) -> Vec<String> {
+        let estimate = self.mcl.range_offset_estimate();
+        let (Some(offset), Some(sigma)) = (estimate.offset(), estimate.sigma()) else {
+            return Vec::new();
+        };
+        let scans = estimate.scans();
+        let by = format!("{offset:+.3} m, sigma {sigma:.3} m, by {scans} scans");
+        let is_used = self.mcl.range_offset().abs() > 0.0;
+        is_used
+            .then(|| format!("ranges changed to fit the map's walls by {by}"))
+            .into_iter()
+            .collect()
+    }
+
     fn cloud(&self) -> Option<Cloud> {
         Some(Cloud::of(self.mcl.particles()))
     }

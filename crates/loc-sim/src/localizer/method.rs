@@ -87,6 +87,8 @@ pub struct MethodSettings {
     pub fusion: FusionSettings,
     /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
     pub slam: SlamSettings,
+    /// Whether `ekf-slam` keeps the noise of sightings that stands in its own settings.
+    pub slam_own_noise: bool,
     /// For `fastslam`; what it shares with `ekf-slam`, it takes from there.
     pub fastslam: FastSlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
@@ -168,6 +170,7 @@ impl MethodSettings {
             gate_probability,
             ..
         } = self.landmark;
+        let sight_noise = if self.slam_own_noise { self.slam.sight_noise } else { sight_noise };
         SlamSettings {
             integration,
             motion_noise,

@@ -86,6 +86,11 @@ pub trait Localizer {
         Ok(Vec::new())
     }
 
+    /// What it has found out on the way that a user should know, as lines.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// The particles of a method that has any, for figures: thinned to at most
     /// [`Cloud::MOST`](cloud::Cloud::MOST).
     fn cloud(&self) -> Option<Cloud> {

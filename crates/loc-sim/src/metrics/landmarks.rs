@@ -25,6 +25,10 @@ pub struct LandmarkErrors {
     /// Root mean square distance of the found ones from the true ones after a rigid alignment;
     /// null for fewer than two.
     pub rmse_m: Option<f64>,
+    /// Root mean square distance of the path from the true one, both in the same map: carried by
+    /// the motion that brings the landmarks closest. What is left is the error of the robot among
+    /// its landmarks; where the frame of its map lies, nobody told it.
+    pub path_rmse_m: Option<f64>,
 }
 
 /// Farther than this from every true landmark, a landmark of the map is none of them \[m\].
@@ -46,7 +50,8 @@ pub fn landmark_errors(run: &Run, record: &MethodRecord) -> Result<Option<Landma
         run.setup.landmarks.iter().map(|l| (l.id, l.position.xy())).collect();
     if truth.is_empty() {
         let mapped = places.len();
-        return Ok(Some(LandmarkErrors { mapped, found: None, extra: None, rmse_m: None }));
+        let (found, extra, rmse_m, path_rmse_m) = (None, None, None, None);
+        return Ok(Some(LandmarkErrors { mapped, found, extra, rmse_m, path_rmse_m }));
     }
     let (pairs, carried) = match map.numbered {
         true => (by_number(&places, &truth), None),
@@ -56,18 +61,27 @@ pub fn landmark_errors(run: &Run, record: &MethodRecord) -> Result<Option<Landma
         Some(carried) => Some(carried),
         None => rigid(&pairs).ok().flatten(),
     };
-    let squared = |to: Pose2| -> f64 {
-        let off = |pair: &(Point2<f64>, Point2<f64>)| to.transform(&pair.0) - pair.1;
-        pairs.iter().map(|pair| off(pair).norm_squared()).sum::<f64>()
-    };
+    let aligned = aligned.filter(|_| pairs.len() > 1);
+    let of_pairs = |to: Pose2| pairs.iter().map(move |(a, b)| (to.transform(a) - b).norm_squared());
     Ok(Some(LandmarkErrors {
         mapped: places.len(),
         found: Some(pairs.len()),
         extra: Some(places.len() - pairs.len()),
-        rmse_m: aligned
-            .filter(|_| pairs.len() > 1)
-            .map(|to| (squared(to) / pairs.len() as f64).sqrt()),
+        rmse_m: aligned.and_then(|to| root_mean(of_pairs(to))),
+        path_rmse_m: aligned.and_then(|to| root_mean(path_errors(run, record, to))),
     }))
+}
+
+/// Squared distances of the path from the true one, after a motion.
+fn path_errors(run: &Run, record: &MethodRecord, to: Pose2) -> impl Iterator<Item = f64> {
+    let pairs = record.estimates.iter().zip(&run.truth);
+    pairs.map(move |(own, truth)| (to * own.pose).distance(truth.value.pose).powi(2))
+}
+
+/// `None` for no values.
+fn root_mean(squares: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = squares.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| (sum / f64::from(count)).sqrt())
 }
 
 type Places = [(u32, Point2<f64>)];

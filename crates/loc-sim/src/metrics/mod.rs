@@ -31,6 +31,7 @@
 pub mod align;
 pub mod ape;
 pub mod associate;
+mod beam_fit;
 pub mod consistency;
 mod convergence;
 mod evaluation;
@@ -44,6 +45,7 @@ mod summary;
 
 pub use align::{Alignment, aligned, transform};
 pub use associate::{Pair, associate};
+pub use beam_fit::BeamFit;
 pub(crate) use consistency::pose_nees_with_freedom;
 pub use consistency::{Consistency, ConsistencyFigures, RunEvidence, pose_nees};
 pub use convergence::{Found, ends_near, found};

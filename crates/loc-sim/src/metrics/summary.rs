@@ -5,6 +5,7 @@ use super::{
 };
 use crate::Result;
 use crate::record::{MethodRecord, Run};
+use crate::source::OdometryTiming;
 use serde::{Serialize, Serializer};
 
 /// The figures of a run, by method.
@@ -23,7 +24,9 @@ pub struct Summary {
     /// One entry per method, in the order in which they were asked for.
     #[serde(serialize_with = "as_map")]
     pub methods: Vec<(String, MethodSummary)>,
-    /// What the source passed over.
+    /// How the odometry was moved in time; null where nothing says so.
+    pub odometry: Option<OdometryTiming>,
+    /// What the source passed over, and what the methods have to say.
     pub notes: Vec<String>,
 }
 
@@ -44,6 +47,9 @@ pub struct MethodSummary {
     pub measurements_rejected: usize,
     /// How good the map is that the method has drawn; null for one that draws none.
     pub landmarks: Option<LandmarkErrors>,
+    /// The share of the beams of the last scan with a return that end within 12 cm of a wall at
+    /// the pose estimated there, see [`BeamFit`](super::BeamFit); null without a laser or a map.
+    pub beam_fit_at_end: Option<f64>,
     /// How long a method that started without a pose needed to find it, see [`found`]; null for
     /// one that was given it, or that never did.
     pub converged_at_s: Option<f64>,
@@ -82,6 +88,7 @@ impl Summary {
             duration_s: run.duration(),
             distance_m: run.distance(),
             methods,
+            odometry: run.odometry_timing,
             notes: run.notes.clone(),
         })
     }
@@ -112,6 +119,7 @@ impl MethodSummary {
             measurements_used: used,
             measurements_rejected: record.judgements.len() - used,
             landmarks: landmark_errors(run, record)?,
+            beam_fit_at_end: record.beam_fit,
             converged_at_s: converged.map(after),
             ate_since_converged_m: converged.and_then(|found| since(run, record, found)),
             converged_after_updates: converged.map(updates),

@@ -52,6 +52,14 @@ impl Given {
         })
     }
 
+    /// A name that is not empty.
+    pub(super) fn name(&mut self, key: &str) -> Result<Option<Found<String>>> {
+        self.take(key, "a name", |value| match value {
+            Value::Text(text) => Some(text.clone()).filter(|text| !text.trim().is_empty()),
+            _ => None,
+        })
+    }
+
     /// What stands for one of the `choices`.
     pub(super) fn choice<T: Copy>(
         &mut self,
@@ -80,7 +88,12 @@ impl Given {
     }
 
     pub(super) fn warn(&mut self, line: u64, key: &str, reason: &str) {
-        self.warnings.push((line, format!("{}:{line}: {key}: {reason}", self.file)));
+        self.warnings.push((line, self.warning(line, key, reason)));
+    }
+
+    /// A warning as a line for the user.
+    pub(super) fn warning(&self, line: u64, key: &str, reason: &str) -> String {
+        format!("{}:{line}: {key}: {reason}", self.file)
     }
 
     /// All warnings in order of their lines, with one for each parameter that nobody took.

@@ -7,10 +7,11 @@
 //!
 //! ```
 //! use loc_sim::nav2::AmclParameters;
-//! let text = "amcl:\n  ros__parameters:\n    max_particles: 800\n    scan_topic: front/scan\n";
+//! let text = "amcl:\n  ros__parameters:\n    max_particles: 800\n    scan_topic: front/scan\n    map_topic: map\n";
 //! let parameters = AmclParameters::parse("amcl.yaml", text)?;
 //! assert_eq!(parameters.mcl.particles.max_particles, 800);
-//! assert_eq!(parameters.warnings, ["amcl.yaml:4: scan_topic: a recording has one laser"]);
+//! assert_eq!(parameters.names.scan_topic.as_deref(), Some("front/scan"));
+//! assert_eq!(parameters.warnings, ["amcl.yaml:5: map_topic: the map comes from --map"]);
 //! # Ok::<(), loc_sim::Error>(())
 //! ```
 
@@ -20,6 +21,7 @@ mod nodes;
 mod value;
 
 use crate::Result;
+use crate::source::ros::RosNames;
 use loc_core::Pose2;
 use loc_pf::MclSettings;
 use std::path::Path;
@@ -35,6 +37,10 @@ pub struct AmclParameters {
     pub start: Option<Pose2>,
     /// Standard deviations of the start pose over (x, y, theta) \[m, m, rad\], where given.
     pub start_sigmas: [Option<f64>; 3],
+    /// Names of topics and frames, for bags.
+    pub names: RosNames,
+    /// The names as warnings, for recordings that are no bags.
+    pub without_bag: Vec<String>,
     /// The keys that change nothing, a line each, with the reason.
     pub warnings: Vec<String>,
 }

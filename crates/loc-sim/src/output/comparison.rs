@@ -1,6 +1,6 @@
 //! The lectures' table of methods, with measured figures.
 
-use super::table::{heading, nees};
+use super::table::{heading, map_line, nees};
 use crate::metrics::{MethodSummary, Summary};
 use crate::record::{MethodRecord, Run};
 
@@ -15,6 +15,7 @@ pub fn comparison(run: &Run, summary: &Summary) -> String {
     ));
     let rows = run.methods.iter().zip(&summary.methods);
     lines.extend(rows.map(|(record, (name, figures))| row(run, record, name, figures)));
+    lines.extend(summary.methods.iter().filter_map(|(name, method)| map_line(name, method)));
     lines.push("Every method has odometry as well. NEES: 3 where the covariance is honest.".into());
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n")

@@ -14,6 +14,7 @@ pub fn table(summary: &Summary) -> String {
     lines.push(format!("{:<15}{names}", "method"));
     lines.extend(summary.methods.iter().map(|(name, method)| row(name, method)));
     lines.extend(summary.methods.iter().filter_map(|(name, method)| map_line(name, method)));
+    lines.extend(summary.methods.iter().filter_map(|(name, method)| fit_line(name, method)));
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n")
 }
@@ -55,15 +56,24 @@ pub(super) fn nees(method: &MethodSummary) -> String {
     })
 }
 
-/// The map that a method has drawn.
-fn map_line(name: &str, method: &MethodSummary) -> Option<String> {
+/// The map that a method has drawn, and how far off the robot is in it.
+pub(super) fn map_line(name: &str, method: &MethodSummary) -> Option<String> {
     let map = method.landmarks?;
     let (Some(found), Some(extra)) = (map.found, map.extra) else {
         return Some(format!("{name} mapped {} landmarks", map.mapped));
     };
     let rmse = map.rmse_m.map_or(String::new(), |rmse| format!(", off by {rmse:.3} m RMSE"));
+    let own = |rmse| format!("\n{name} in the frame of its own map: {rmse:.3} m off the true path");
+    let path = map.path_rmse_m.map_or(String::new(), own);
     let extra = if extra > 0 { format!(", {extra} that are none") } else { String::new() };
-    Some(format!("{name} found {found} landmarks{rmse}{extra}"))
+    Some(format!("{name} found {found} landmarks{rmse}{extra}{path}"))
+}
+
+/// How well the last scan fits where the method believes to be, the judge of a recording without
+/// true poses.
+fn fit_line(name: &str, method: &MethodSummary) -> Option<String> {
+    let share = 100.0 * method.beam_fit_at_end?;
+    Some(format!("{name}: {share:.1} % of the last scan's beams end within 12 cm of a wall"))
 }
 
 fn row(name: &str, method: &MethodSummary) -> String {

@@ -6,7 +6,7 @@ use crate::localizer::{
     Estimate, EstimatedMap, Judgement, Method, MethodSettings, PlaceBelief, SensorError,
 };
 use crate::metrics::pose_nees_with_freedom;
-use crate::source::{SensorTruth, Setup};
+use crate::source::{OdometryTiming, SensorTruth, Setup};
 use loc_core::{Pose2, Stamped};
 use std::borrow::Cow;
 
@@ -35,7 +35,9 @@ pub struct Run {
     pub methods: Vec<MethodRecord>,
     /// The true errors of the sensors, where a simulation keeps them.
     pub sensor_truth: SensorTruth,
-    /// What the source passed over.
+    /// How the odometry was moved in time, where the source says so.
+    pub odometry_timing: Option<OdometryTiming>,
+    /// What the source passed over, and what the methods have to say.
     pub notes: Vec<String>,
     /// What was to be seen at each of the stamps, where somebody filmed it.
     pub film: Option<Film>,
@@ -65,6 +67,9 @@ pub struct MethodRecord {
     pub lines: LineMoments,
     /// The map at the end, of a method that draws its own.
     pub map: Option<EstimatedMap>,
+    /// The share of the last scan's beams that end on a wall at the pose estimated there, see
+    /// [`BeamFit`](crate::metrics::BeamFit); `None` without a laser or a map.
+    pub beam_fit: Option<f64>,
     /// Number of controls and measurements it took in.
     pub updates: usize,
     /// Time it took \[s\].

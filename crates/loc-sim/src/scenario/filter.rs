@@ -67,6 +67,7 @@ impl FilterConfig {
             line_matching,
             fusion: self.fusion.settings()?,
             slam: self.slam.settings()?,
+            slam_own_noise: self.slam.camera.is_some(),
             fastslam: self.fastslam.settings()?,
             global: self.global,
             smooth: self.smooth,

@@ -1,6 +1,7 @@
 //! Settings of `ekf-slam`, in the units of configuration files.
 
 use crate::Result;
+use crate::source::SightNoiseConfig;
 use loc_filters::association::Rule;
 use loc_filters::slam::{Identities, Jacobians, SlamSettings};
 use serde::Deserialize;
@@ -12,8 +13,14 @@ use serde::Deserialize;
 pub struct SlamConfig {
     /// `known` where numbers are read off the landmarks, `unknown` where the method must find out.
     pub identities: Identities,
-    /// `current`, or `first` for first estimates.
+    /// `invariant`, `current`, or `first` for first estimates.
     pub jacobians: Jacobians,
+    /// How far sightings are believed to be off, where that is not as for the other methods.
+    pub camera: Option<SightNoiseConfig>,
+    /// Share of the variance of sightings that those of one moment have in common.
+    pub common_share: Option<f64>,
+    /// How long that lasts.
+    pub common_time_s: Option<f64>,
     /// `nearest-neighbor`, `maximum-likelihood` or `joint-compatibility`.
     pub association: Rule,
     /// Share of right pairs that the gate of the association lets pass.
@@ -42,6 +49,11 @@ impl SlamConfig {
         let put = |to: &mut f64, from: Option<f64>| *to = from.unwrap_or(*to);
         settings.identities = self.identities;
         settings.jacobians = self.jacobians;
+        if let Some(noise) = &self.camera {
+            settings.sight_noise = noise.noise()?;
+        }
+        put(&mut settings.common_share, self.common_share);
+        put(&mut settings.common_time, self.common_time_s);
         settings.association.rule = self.association;
         put(&mut settings.association.gate_probability, self.association_probability);
         put(&mut settings.association.least_ratio, self.least_ratio);

@@ -91,6 +91,19 @@ pub struct TrueError {
     pub values: Vec<(f64, f64)>,
 }
 
+/// How the odometry of a recording lies in time.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct OdometryTiming {
+    /// What was added to its stamps \[s\]; negative for an odometry that comes late.
+    pub delay_s: f64,
+    /// What the scans say about it \[s\], null where they were not asked or did not tell.
+    pub estimated_s: Option<f64>,
+    /// Standard deviation of that \[s\].
+    pub sigma_s: Option<f64>,
+    /// Pairs of scans that it comes from.
+    pub pairs: usize,
+}
+
 /// A stream of events in order of arrival.
 // ANCHOR: source
 pub trait Source {
@@ -116,6 +129,12 @@ pub trait Source {
     /// Whether the true poses have headings; where only positions are known, theirs are 0.
     fn truth_has_heading(&self) -> bool {
         true
+    }
+
+    /// How the stamps of the odometry were moved against those of the scans, where a recording can
+    /// say so.
+    fn odometry_timing(&self) -> Option<OdometryTiming> {
+        None
     }
 
     /// Whether true poses are among the events. Without any, a run is sampled at its scans.

@@ -1,8 +1,9 @@
 //! The correction: sightings find their landmarks, and all of them correct the state together.
 
+use super::common::{HEADING, NUMBERS};
 use super::look::Place;
 use super::pairs::Pairs;
-use super::{EkfSlam, Identities, SlamOutcome, SlamVerdict};
+use super::{EkfSlam, Identities, Jacobians, SlamOutcome, SlamVerdict};
 use crate::Result;
 use crate::association::AssociationSettings;
 use crate::slam::state::Row;
@@ -111,9 +112,12 @@ impl EkfSlam {
         let mut rows = Vec::with_capacity(2 * placed.len());
         let mut found = vec![UNPLACEABLE; group.len()];
         let mut new = Vec::new();
+        let mut taken: Vec<usize> = association.partners.iter().flatten().copied().collect();
+        taken.sort_unstable();
         let placed = (0..group.len()).filter(|&k| places[k].is_some());
         for (sighting, k) in placed.enumerate() {
-            let nis = association.nearest[sighting];
+            // Of one moment a landmark has one sighting: what stands beside one that was seen is new.
+            let nis = pairs.nearest_free(sighting, &taken);
             match association.partners[sighting] {
                 Some(landmark) => {
                     found[k] = self.judge(landmark, group[k].sight, &self.gate, &mut rows)?;
@@ -130,23 +134,30 @@ impl EkfSlam {
         }
         let known = self.entries.len();
         for k in new {
-            found[k] = self.welcome_unnumbered(&group[k], known)?;
+            found[k] = self.welcome_unnumbered(
+                &group[k],
+                taken.iter().copied().chain(known..self.entries.len()),
+            )?;
         }
         outcomes.extend(found);
         Ok(())
     }
 
-    /// A sighting that fits none of the first `known` landmarks; those beyond were born by others
-    /// of its group.
-    fn welcome_unnumbered(&mut self, sighting: &Sighting, known: usize) -> Result<SlamOutcome> {
+    /// A sighting that fits none of the landmarks but, perhaps, those that others of its group were
+    /// of or gave birth to: something new stands apart from these too.
+    fn welcome_unnumbered(
+        &mut self,
+        sighting: &Sighting,
+        beside: impl Iterator<Item = usize>,
+    ) -> Result<SlamOutcome> {
         // From the corrected pose.
         let Some(place) = self.place(sighting) else { return Ok(UNPLACEABLE) };
         let mut nearest = f64::INFINITY;
-        for landmark in known..self.entries.len() {
+        for landmark in beside {
             let outcome = self.judge(landmark, sighting.sight, &self.gate, &mut Vec::new())?;
             nearest = nearest.min(outcome.nis().unwrap_or(f64::INFINITY));
         }
-        if nearest <= self.new_landmark_gate {
+        if nearest <= self.distinct_gate {
             return Ok(SlamOutcome { landmark: None, verdict: SlamVerdict::Ambiguous(nearest) });
         }
         self.enter(self.next_number, &place)
@@ -171,11 +182,12 @@ impl EkfSlam {
         }
     }
 
-    pub(super) fn apply(&mut self, rows: &[Row<3>]) -> Result<()> {
+    pub(super) fn apply(&mut self, rows: &[Row<NUMBERS>]) -> Result<()> {
         if !rows.is_empty() {
-            self.state.correct(rows)?;
+            let invariant = self.settings.jacobians == Jacobians::Invariant;
+            self.state.correct(rows, invariant.then_some(HEADING))?;
             let robot = self.state.robot_mut();
-            robot.z = angle::wrap(robot.z);
+            robot[HEADING] = angle::wrap(robot[HEADING]);
         }
         Ok(())
     }

@@ -1,10 +1,11 @@
 //! What is known of landmarks beside their position: birth, confirmation, removal.
 
 use super::EkfSlam;
+use super::Jacobians;
+use super::common::Matrix2x5;
 use super::look::Place;
 use crate::Result;
-use loc_core::Pose2;
-use nalgebra::{Matrix2x3, Point2};
+use nalgebra::Point2;
 
 /// A landmark of the state.
 #[derive(Debug, Clone, Copy)]
@@ -65,11 +66,14 @@ impl EkfSlam {
         let position = place.position;
         // As the robot turns, what it sees moves at a right angle to the way there.
         let from = match self.settings.jacobians {
-            super::Jacobians::Current => Pose2::from_vector(self.state.robot()),
-            super::Jacobians::First => self.anchor,
+            Jacobians::Current | Jacobians::Invariant => self.robot_pose(),
+            Jacobians::First => self.anchor,
         };
         let (dx, dy) = (position.x - from.x, position.y - from.y);
-        let by_robot = Matrix2x3::new(1.0, 0.0, -dy, 0.0, 1.0, dx);
+        // The common errors of the sightings are taken off the place.
+        let axes = -place.axes(self);
+        let by_robot =
+            Matrix2x5::new(1.0, 0.0, -dy, axes.m11, axes.m12, 0.0, 1.0, dx, axes.m21, axes.m22);
         self.state.push(position, &by_robot, &place.noise(self))?;
         self.numbers.insert(id, self.entries.len());
         self.next_number = self.next_number.max(id.wrapping_add(1));
@@ -99,7 +103,7 @@ impl EkfSlam {
     /// Blames landmarks that should have been seen and were not, and removes those that no longer
     /// have anything to speak for them.
     pub(super) fn tidy(&mut self, seen: &[bool]) -> Result<()> {
-        let camera = Pose2::from_vector(self.state.robot()) * self.settings.mounting;
+        let camera = self.robot_pose() * self.settings.mounting;
         let back = camera.inverse();
         for index in self.state.in_hand() {
             let from_camera = back.transform(&self.state.position(index));

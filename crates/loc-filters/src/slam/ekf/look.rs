@@ -1,14 +1,13 @@
 //! One sighting held against one landmark of the state.
 
+use super::common::{Matrix2x5, NUMBERS};
 use super::{EkfSlam, Jacobians};
 use crate::landmark::RangeBearingModel;
 use crate::slam::state::Row;
 use crate::{Gate, MeasurementModel, Result};
 use loc_core::angle;
 use loc_sensors::landmark_camera::{Sight, Sighting};
-use nalgebra::{
-    Matrix1, Matrix2, Matrix2x3, Point2, RowVector2, RowVector3, Vector1, Vector2, Vector3,
-};
+use nalgebra::{Matrix1, Matrix2, Matrix2x3, Point2, RowVector2, SVector, Vector1, Vector2};
 
 use super::{SlamOutcome, SlamVerdict};
 
@@ -17,7 +16,7 @@ use super::{SlamOutcome, SlamVerdict};
 pub(super) struct Look {
     pub(super) landmark: usize,
     pub(super) residual: Vector2<f64>,
-    pub(super) by_robot: Matrix2x3<f64>,
+    pub(super) by_robot: Matrix2x5,
     pub(super) by_landmark: Matrix2<f64>,
     pub(super) noise: Matrix2<f64>,
 }
@@ -31,14 +30,17 @@ impl EkfSlam {
     /// Holds a distance and a direction against a landmark. What is not measured may be any number.
     pub(super) fn look(&self, landmark: usize, range: f64, bearing: f64) -> Look {
         let seen = Vector2::new(range, bearing);
+        let share = self.settings.common_share;
         let model = self.model(self.state.position(landmark));
         let robot = self.state.robot();
         match self.settings.jacobians {
-            Jacobians::Current => Look::new(landmark, &model, robot, seen),
+            Jacobians::Current | Jacobians::Invariant => {
+                Look::new(landmark, &model, robot, seen, share)
+            }
             Jacobians::First => {
-                let mut look = Look::new(landmark, &model, robot, seen);
+                let mut look = Look::new(landmark, &model, robot, seen, share);
                 let first = self.model(self.entries[landmark].first);
-                look.linearize(first.jacobian(&self.anchor.to_vector()));
+                look.linearize(&first.jacobian(&self.anchor.to_vector()));
                 look
             }
         }
@@ -68,7 +70,7 @@ impl EkfSlam {
         landmark: usize,
         sight: Sight,
         gate: &Gate,
-        rows: &mut Vec<Row<3>>,
+        rows: &mut Vec<Row<NUMBERS>>,
     ) -> Result<SlamOutcome> {
         let (range, bearing) = (sight.range().unwrap_or(0.0), sight.bearing().unwrap_or(0.0));
         let look = self.look(landmark, range, bearing);
@@ -99,11 +101,11 @@ impl EkfSlam {
         if range < Place::NEAREST {
             return None;
         }
-        let robot = loc_core::Pose2::from_vector(self.state.robot());
-        let camera = robot * self.settings.mounting;
-        let (sin, cos) = bearing.sin_cos();
-        let position = camera.transform(&Point2::new(range * cos, range * sin));
-        Some(Place { range, bearing, direction: camera.theta + bearing, position })
+        let camera = self.robot_pose() * self.settings.mounting;
+        let (true_range, true_bearing) = self.without_common_errors(range, bearing);
+        let (sin, cos) = true_bearing.sin_cos();
+        let position = camera.transform(&Point2::new(true_range * cos, true_range * sin));
+        Some(Place { range, bearing, direction: camera.theta + true_bearing, position })
     }
 }
 
@@ -123,11 +125,16 @@ impl Place {
 
     /// The sensor's part of the position's covariance, 2 x 2.
     pub(super) fn noise(&self, slam: &EkfSlam) -> Matrix2<f64> {
+        let axes = self.axes(slam);
+        axes * axes.transpose() * (1.0 - slam.settings.common_share)
+    }
+
+    /// How far one standard deviation of the distance, and one of the direction, carry it \[m\].
+    pub(super) fn axes(&self, slam: &EkfSlam) -> Matrix2<f64> {
         let noise = slam.settings.sight_noise;
         let (along, across) = (noise.range_sigma_at(self.range), noise.bearing_sigma * self.range);
         let (sin, cos) = self.direction.sin_cos();
-        let axes = Matrix2::new(along * cos, -across * sin, along * sin, across * cos);
-        axes * axes.transpose()
+        Matrix2::new(along * cos, -across * sin, along * sin, across * cos)
     }
 }
 
@@ -135,26 +142,33 @@ impl Look {
     fn new(
         landmark: usize,
         model: &RangeBearingModel,
-        robot: &Vector3<f64>,
+        robot: &SVector<f64, NUMBERS>,
         seen: Vector2<f64>,
+        common_share: f64,
     ) -> Self {
-        let (expected, by_robot) = model.linearize(robot);
-        let residual = Vector2::new(seen.x - expected.x, angle::difference(seen.y, expected.y));
+        let (mut expected, by_pose) = model.linearize(&robot.fixed_rows::<3>(0).into_owned());
         let noise = model.noise(&expected);
+        // In standard deviations, as the common errors are counted.
+        let sigmas = noise.map(f64::sqrt);
+        expected += sigmas * robot.fixed_rows::<2>(3);
+        let residual = Vector2::new(seen.x - expected.x, angle::difference(seen.y, expected.y));
+        let mut by_robot = Matrix2x5::zeros();
+        by_robot.fixed_columns_mut::<2>(3).copy_from(&sigmas);
+        let noise = noise * (1.0 - common_share);
         let mut look = Look { landmark, residual, by_robot, by_landmark: Matrix2::zeros(), noise };
-        look.linearize(by_robot);
+        look.linearize(&by_pose);
         look
     }
 
     /// Landmark and robot shifted alike look the same.
-    fn linearize(&mut self, by_robot: Matrix2x3<f64>) {
-        self.by_robot = by_robot;
-        self.by_landmark = -by_robot.fixed_columns::<2>(0);
+    fn linearize(&mut self, by_pose: &Matrix2x3<f64>) {
+        self.by_robot.fixed_columns_mut::<3>(0).copy_from(by_pose);
+        self.by_landmark = -by_pose.fixed_columns::<2>(0);
     }
 
-    fn row(&self, k: usize) -> Row<3> {
-        let (by_robot, by_landmark): (RowVector3<f64>, RowVector2<f64>) =
-            (self.by_robot.row(k).into(), self.by_landmark.row(k).into());
+    fn row(&self, k: usize) -> Row<NUMBERS> {
+        let by_robot = self.by_robot.row(k).into_owned();
+        let by_landmark: RowVector2<f64> = self.by_landmark.row(k).into();
         Row {
             landmark: self.landmark,
             by_robot: by_robot.transpose(),

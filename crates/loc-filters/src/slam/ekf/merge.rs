@@ -4,6 +4,7 @@
 //! landmarks of old it sees; it takes them for new ones. But the new ones keep their distances from
 //! each other, and when a few of them lie as a few of the old ones do, they are the same.
 
+use super::common::NUMBERS;
 use super::entries::Entry;
 use super::{EkfSlam, SlamOutcome};
 use crate::Result;
@@ -85,7 +86,7 @@ impl EkfSlam {
         let partners = association.partners.iter().enumerate();
         let pairs: Vec<(usize, usize)> =
             partners.filter_map(|(a, b)| b.map(|b| twins.pair((a, b)))).collect();
-        let rows: Vec<Row<3>> = pairs.iter().flat_map(|&pair| self.same(pair)).collect();
+        let rows: Vec<Row<NUMBERS>> = pairs.iter().flat_map(|&pair| self.same(pair)).collect();
         self.apply(&rows)?;
         for &(recent, earlier) in &pairs {
             let gone = self.entries[recent];
@@ -113,11 +114,11 @@ impl EkfSlam {
     }
 
     /// The measurement that two landmarks are at one place.
-    fn same(&self, (landmark, other): (usize, usize)) -> [Row<3>; 2] {
+    fn same(&self, (landmark, other): (usize, usize)) -> [Row<NUMBERS>; 2] {
         let difference = self.state.position(landmark) - self.state.position(other);
         [([1.0, 0.0], difference.x), ([0.0, 1.0], difference.y)].map(|(along, difference)| Row {
             landmark,
-            by_robot: nalgebra::Vector3::zeros(),
+            by_robot: nalgebra::SVector::zeros(),
             by_landmark: along,
             other: Some((other, along.map(|value: f64| -value))),
             residual: -difference,

@@ -1,5 +1,6 @@
 //! EKF-SLAM with heading, distance and direction (I2, I3), numbered landmarks or not (I4).
 
+mod common;
 mod correct;
 mod entries;
 mod focus;
@@ -12,9 +13,10 @@ mod settings;
 pub use outcome::{MapLandmark, SlamOutcome, SlamVerdict};
 pub use settings::{Identities, Jacobians, MapSettings, SlamSettings};
 
-use super::state::{LargeState, MapState};
+use super::state::MapState;
 use crate::association::Associator;
 use crate::{Gate, Result};
+use common::{HEADING, NUMBERS};
 use entries::{Entry, Reach};
 use focus::Focus;
 use loc_core::gaussian::check_covariance;
@@ -29,10 +31,11 @@ use std::collections::BTreeMap;
 /// of one moment correct the state together, so that the covariance is read and written once.
 #[derive(Debug, Clone)]
 pub struct EkfSlam {
-    state: MapState<3>,
+    state: MapState<NUMBERS>,
     settings: SlamSettings,
     gate: Gate,
     new_landmark_gate: f64,
+    distinct_gate: f64,
     associator: Associator,
     /// The one that finds landmarks which are in the map twice.
     merger: Associator,
@@ -57,13 +60,14 @@ impl EkfSlam {
     /// [`loc_core::Error`] for a belief or settings that are not valid.
     pub fn new(start: Gaussian<3>, settings: SlamSettings) -> Result<Self> {
         settings.check()?;
-        let mut state = LargeState::new(start.mean, start.covariance)?;
-        state.robot_mut().z = loc_core::angle::wrap(start.mean.z);
+        let mut state = common::start(&start, &settings)?;
+        state.robot_mut()[HEADING] = loc_core::angle::wrap(start.mean.z);
         Ok(EkfSlam {
             state: MapState::new(state),
             settings,
             gate: Gate::probability(settings.gate_probability)?,
             new_landmark_gate: settings.new_landmark_gate()?,
+            distinct_gate: settings.distinct_gate()?,
             associator: Associator::new(settings.association)?,
             merger: Associator::new(settings.merging())?,
             entries: Vec::new(),
@@ -96,7 +100,7 @@ impl EkfSlam {
         crate::innovation::finite("velocity", &twist.to_vector())?;
         loc_core::error::non_negative("time step [s]", dt)?;
         let SlamSettings { integration, motion_noise, .. } = self.settings;
-        let pose = Pose2::from_vector(self.state.robot());
+        let pose = self.robot_pose();
         let (moved, jacobians) = integration.step_with_jacobians(pose, twist, dt);
         let (mut f, by_twist) = (jacobians.by_pose, jacobians.by_twist);
         if self.settings.jacobians == Jacobians::First {
@@ -105,7 +109,8 @@ impl EkfSlam {
             f[(1, 2)] = moved.x - self.anchor.x;
         }
         let noise = by_twist * motion_noise.covariance(twist, dt) * by_twist.transpose();
-        self.state.propagate(moved.to_vector(), &f, &noise)?;
+        let (moved_state, f, noise) = self.with_common_errors(moved, &f, &noise, dt);
+        self.state.propagate(moved_state, &f, &noise)?;
         self.anchor = moved;
         Ok(())
     }
@@ -115,7 +120,8 @@ impl EkfSlam {
     /// # Errors
     /// [`crate::Error::LostPositivity`] for a covariance that is none, with the step.
     pub fn pose(&self) -> Result<Gaussian<3>> {
-        let (mean, covariance) = (*self.state.robot(), *self.state.robot_covariance());
+        let mean = self.state.robot().fixed_rows::<3>(0).into_owned();
+        let covariance = self.state.robot_covariance().fixed_view::<3, 3>(0, 0).into_owned();
         check_covariance("covariance of the robot", &covariance)
             .map_err(|error| self.state.robot_state().blamed(error))?;
         Ok(Gaussian { mean, covariance })
@@ -163,6 +169,7 @@ impl EkfSlam {
     /// # Errors
     /// [`crate::Error::LostPositivity`] for one that is not positive semi-definite, with the step.
     pub fn covariance(&self) -> Result<DMatrix<f64>> {
-        self.state.checked_covariance()
+        let whole = self.state.checked_covariance()?;
+        Ok(whole.remove_rows(3, NUMBERS - 3).remove_columns(3, NUMBERS - 3))
     }
 }

@@ -46,6 +46,18 @@ impl<'a> Pairs<'a> {
         })
     }
 
+    /// NIS of a sighting with the nearest landmark that is not among those `taken` by others, in
+    /// ascending order.
+    pub(super) fn nearest_free(&self, sighting: usize, taken: &[usize]) -> f64 {
+        let looks = self.looks[sighting].iter();
+        let free = looks.filter(|look| taken.binary_search(&look.landmark).is_err());
+        let nis = |look: &Look| {
+            let s = self.slam.innovation_covariance(look);
+            s.try_inverse().map_or(0.0, |inverse| look.residual.dot(&(inverse * look.residual)))
+        };
+        free.map(nis).fold(f64::INFINITY, f64::min)
+    }
+
     fn look(&self, (sighting, landmark): (usize, usize)) -> Option<&Look> {
         let looks = &self.looks[sighting];
         let index = looks.binary_search_by_key(&landmark, |look| look.landmark).ok()?;

@@ -24,12 +24,16 @@ pub enum Identities {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Jacobians {
+    /// At the current estimate, with the errors of all positions counted as they turn with the
+    /// heading: the invariant filter (Barrau and Bonnabel 2015; Zhang et al. 2017). Which way north
+    /// is stays unobserved, as it is, and large errors of the heading do no harm.
+    #[default]
+    Invariant,
     /// At the current estimate, as the textbook has it. A filter that linearises the same landmark
     /// at several places believes that it has learned which way north is, which nobody can tell it.
-    #[default]
     Current,
     /// At the first estimate of each pose and landmark (Huang, Mourikis and Roumeliotis 2008),
-    /// which leaves what cannot be observed unobserved.
+    /// which leaves what cannot be observed unobserved, and is as good as the first estimates are.
     First,
 }
 
@@ -59,6 +63,10 @@ pub struct MapSettings {
     /// A sighting that fits no landmark is a new one where right sightings of the known ones lie
     /// that far out with a probability of less than 1 minus this.
     pub new_landmark_probability: f64,
+    /// Of one moment a landmark has one sighting, so that a second one beside it is of something
+    /// new; unless it was seen twice, which is assumed where two sightings of one landmark lie that
+    /// far apart with a probability of more than 1 minus this.
+    pub distinct_probability: f64,
 }
 
 impl Default for MapSettings {
@@ -71,6 +79,7 @@ impl Default for MapSettings {
             miss_cost: 0.2,
             merge_ratio: 100.0,
             new_landmark_probability: 0.9999,
+            distinct_probability: 0.9,
         }
     }
 }
@@ -86,6 +95,12 @@ pub struct SlamSettings {
     pub motion_noise: VelocityNoise,
     /// How far sightings may be off.
     pub sight_noise: LandmarkNoise,
+    /// Share of the variance of sightings that those of one moment have in common, below 1: the
+    /// error of a scale that is off, or of a stamp that is late in a turn. Sightings are then held
+    /// against each other more sharply than against the robot.
+    pub common_share: f64,
+    /// How long that error lasts \[s\]: after so much time 1/e of it is left.
+    pub common_time: f64,
     /// The camera's pose on the robot, `base_from_camera`.
     pub mounting: Pose2,
     /// Whether landmarks can be told apart by their numbers.
@@ -110,11 +125,13 @@ impl Default for SlamSettings {
             integration: Integration::ExactArc,
             motion_noise: VelocityNoise::default(),
             sight_noise: LandmarkNoise::default(),
+            common_share: 0.0,
+            common_time: 10.0,
             mounting: Pose2::IDENTITY,
             identities: Identities::Known,
             gate_probability: 0.999,
             association: AssociationSettings::default(),
-            jacobians: Jacobians::Current,
+            jacobians: Jacobians::Invariant,
             map: MapSettings::default(),
             submap_radius: None,
         }
@@ -132,6 +149,10 @@ impl SlamSettings {
         positive("sigma of the range [m]", self.sight_noise.range_sigma)?;
         positive("sigma of the bearing [rad]", self.sight_noise.bearing_sigma)?;
         self.motion_noise.check()?;
+        in_range("common share of the variance", "in [0, 1)", self.common_share, |share| {
+            (0.0..1.0).contains(&share)
+        })?;
+        positive("time of the common error [s]", self.common_time)?;
         for value in [self.mounting.x, self.mounting.y, self.mounting.theta] {
             finite("mounting of the camera [m, m, rad]", value)?;
         }
@@ -146,7 +167,11 @@ impl SlamSettings {
         non_negative("cost of not seeing a landmark", map.miss_cost)?;
         non_negative("cost of contradicting a landmark", map.contradiction_cost)?;
         self.submap_radius.map_or(Ok(0.0), |radius| positive("radius of a submap [m]", radius))?;
+        if self.submap_radius.is_some() && self.jacobians == Jacobians::Invariant {
+            return Err(crate::Error::SubmapTurns);
+        }
         self.new_landmark_gate()?;
+        self.distinct_gate()?;
         Gate::probability(self.gate_probability)?;
         Associator::new(self.association)?;
         Associator::new(self.merging())?;
@@ -162,5 +187,10 @@ impl SlamSettings {
     /// The NIS beyond which a sighting is one of something new.
     pub(super) fn new_landmark_gate(&self) -> Result<f64> {
         Ok(Gate::probability(self.map.new_landmark_probability)?.threshold(2))
+    }
+
+    /// The NIS up to which two sightings of one moment may be of one landmark.
+    pub(super) fn distinct_gate(&self) -> Result<f64> {
+        Ok(Gate::probability(self.map.distinct_probability)?.threshold(2))
     }
 }

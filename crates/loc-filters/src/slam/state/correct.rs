@@ -1,9 +1,10 @@
 //! The correction of robot and map by any number of measured numbers at once.
 
+use super::turning::Corrected;
 use super::{LargeState, kernel};
 use crate::{Error, Result};
 use loc_core::gaussian::check_covariance;
-use nalgebra::{SMatrix, SVector, Vector2};
+use nalgebra::{SVector, Vector2};
 
 /// One measured number, and how it depends on the robot and on one landmark or two.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,36 +38,34 @@ pub(in crate::slam) struct Correction<const R: usize> {
 
 impl<const R: usize> LargeState<R> {
     /// Corrects with all rows together: one pass over the covariance, whose every element is read
-    /// and written once for every four rows.
+    /// and written once for every four rows. Where the index of the robot's heading is given, the
+    /// covariance follows the corrected estimate, see [`super::turning`].
     ///
     /// # Errors
     /// [`Error::NotFinite`] for the state, [`Error::LostPositivity`] for any part of the covariance;
     /// the state is then as it was.
     // ANCHOR: correct
-    pub(in crate::slam) fn correct(&mut self, rows: &[Row<R>]) -> Result<Correction<R>> {
+    pub(in crate::slam) fn correct(
+        &mut self,
+        rows: &[Row<R>],
+        heading: Option<usize>,
+    ) -> Result<Correction<R>> {
         let step = self.step + 1;
         let mut correction = self.project(rows)?;
         correction.solve();
-        let Correction { whitened, robot_gain, map_gain, .. } = &correction;
-        let robot = robot_gain.iter().zip(whitened).fold(self.robot, |sum, (w, y)| sum + w * *y);
+        let mut corrected = Corrected::new(&correction, self);
+        if let Some(heading) = heading {
+            corrected.turn(&self.robot, &self.map, heading);
+        }
+        let Corrected { robot, robot_covariance, map, cross, left, right } = corrected;
         crate::innovation::finite("corrected state of the robot", &robot)?;
-        let gone: SMatrix<f64, R, R> = robot_gain.iter().map(|w| w * w.transpose()).sum();
-        let robot_covariance = self.robot_covariance - gone;
         check_covariance("covariance of the robot", &robot_covariance)
             .map_err(|_| self.lost("covariance of the robot", step, robot_covariance.as_slice()))?;
-        let diagonal = self.triangle.diagonal_minus(map_gain, map_gain);
+        let diagonal = self.triangle.diagonal_minus(&left, &right);
         self.check_diagonal(&diagonal, step)?;
-        self.step = step;
-        self.robot = robot;
-        self.robot_covariance = robot_covariance;
-        let columns = map_gain.chunks_exact(self.map.len().max(1));
-        for ((column, y), robot) in columns.zip(whitened).zip(robot_gain) {
-            kernel::add_scaled(&mut self.map, *y, column);
-            for r in 0..R {
-                kernel::add_scaled(&mut self.cross[r], -robot[r], column);
-            }
-        }
-        self.triangle.subtract(map_gain, map_gain, diagonal);
+        (self.step, self.robot, self.robot_covariance) = (step, robot, robot_covariance);
+        (self.map, self.cross) = (map, cross);
+        self.triangle.subtract(&left, &right, diagonal);
         Ok(correction)
     }
     // ANCHOR_END: correct

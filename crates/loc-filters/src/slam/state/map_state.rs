@@ -133,8 +133,13 @@ impl<const R: usize> MapState<R> {
         }
     }
 
-    /// Corrects by rows of landmarks in hand.
-    pub(in crate::slam) fn correct(&mut self, rows: &[Row<R>]) -> Result<()> {
+    /// Corrects by rows of landmarks in hand; `heading` as for [`LargeState::correct`], where all
+    /// of the map is in hand.
+    pub(in crate::slam) fn correct(
+        &mut self,
+        rows: &[Row<R>],
+        heading: Option<usize>,
+    ) -> Result<()> {
         let own = |row: &Row<R>| Row {
             landmark: self.index(row.landmark),
             other: row.other.map(|(other, by_other)| (self.index(other), by_other)),
@@ -143,7 +148,7 @@ impl<const R: usize> MapState<R> {
         let rows: Vec<Row<R>> = rows.iter().map(own).collect();
         match &mut self.part {
             Some(part) => part.correct(&rows),
-            None => self.whole.correct(&rows).map(|_| ()),
+            None => self.whole.correct(&rows, heading).map(|_| ()),
         }
     }
 

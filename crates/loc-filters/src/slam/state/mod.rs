@@ -8,6 +8,7 @@ pub(super) mod kernel;
 mod map_state;
 mod submap;
 mod triangle;
+mod turning;
 
 pub(super) use correct::Row;
 pub(super) use map_state::MapState;

@@ -83,7 +83,7 @@ impl<const R: usize> Submap<R> {
 
     /// Corrects the part by rows of its own landmarks.
     pub(super) fn correct(&mut self, rows: &[Row<R>]) -> Result<()> {
-        let correction = self.state.correct(rows)?;
+        let correction = self.state.correct(rows, None)?;
         let owed = self.owed(rows, &correction);
         let Correction { whitened, robot_gain, map_gain, .. } = &correction;
         let length = map_gain.len() / rows.len().max(1);

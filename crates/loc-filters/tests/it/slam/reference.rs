@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2, angle};
-use loc_filters::slam::{EkfSlam, SlamSettings, SlamVerdict};
+use loc_filters::slam::{EkfSlam, Jacobians, SlamSettings, SlamVerdict};
 use loc_sensors::landmark_camera::{Sight, Sighting};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use rand::RngExt;
@@ -130,7 +130,8 @@ fn see(pose: Pose2, id: u32, off: f64) -> Sighting {
 /// once: whatever remains beside the whole vectors of the processor, the matrices are the same.
 #[test]
 fn equals_the_textbook_on_full_matrices() {
-    let settings = SlamSettings { gate_probability: 1.0, ..Default::default() };
+    let settings =
+        SlamSettings { gate_probability: 1.0, jacobians: Jacobians::Current, ..Default::default() };
     let start = loc_core::gaussian::pose_belief(Pose2::new(0.3, -0.2, 0.4), [0.2, 0.1, 0.05]);
     let mut slam = EkfSlam::new(start, settings).unwrap();
     let mut book = Textbook::new(&start, settings);

@@ -6,7 +6,7 @@ use crate::nav2::AmclParameters;
 use crate::scenario::{RecordingConfig, StartConfig, recording};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{Reference, ReplayOptions, Start};
-use crate::source::ros::laser_log;
+use crate::source::ros::{RosNames, RosOptions, laser_log};
 use crate::source::wean::WeanLog;
 use crate::source::{LaserRecording, RosRecording, Source};
 use crate::{Result, config};
@@ -17,7 +17,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::Result<Replay> {
-    let (settings, mut options) = configuration(args)?;
+    let Configuration { settings, mut options, names, without_bag } = configuration(args)?;
+    if format != Format::Ros {
+        for warning in &without_bag {
+            eprintln!("warning: {warning}");
+        }
+    }
     if let Some(text) = &args.initial_pose {
         options.start = Start::At(parse_pose("--initial-pose", text)?);
     } else if args.global_start || settings.global {
@@ -28,7 +33,7 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
     options.scans = args.scans;
     options.kidnap = args.kidnap;
     options.reference = args.reference.as_deref().map(Reference::read).transpose()?;
-    let (source, start_is_known) = source(args, log, format, &options, &settings)?;
+    let (source, start_is_known) = source(args, log, format, &options, (&settings, names))?;
     // Odometry alone has nowhere to start where nobody knows the pose.
     let odometry = start_is_known.then_some(Method::DeadReckoning);
     Ok(Replay { source, settings, methods: odometry.into_iter().chain([Method::Mcl]).collect() })
@@ -40,11 +45,12 @@ fn source(
     log: &Path,
     format: Format,
     options: &ReplayOptions,
-    settings: &MethodSettings,
+    (settings, names): (&MethodSettings, RosNames),
 ) -> anyhow::Result<(Box<dyn Source>, bool)> {
     let log = match format {
         Format::Ros => {
             let ros = args.ros.options(args.seed.unwrap_or(settings.seed))?;
+            let ros = RosOptions { names, ..ros };
             // A bag is read as a stream, unless the whole of it is needed at once.
             if options.kidnap.is_none() && options.reference.is_none() {
                 let source = RosRecording::open(log, options, &ros)?;
@@ -62,8 +68,18 @@ fn source(
     Ok((Box::new(source), known))
 }
 
+/// What a configuration says.
+struct Configuration {
+    settings: MethodSettings,
+    options: ReplayOptions,
+    /// Of topics and frames, in the parameters of nav2_amcl.
+    names: RosNames,
+    /// Warnings about them where there is no bag.
+    without_bag: Vec<String>,
+}
+
 /// What the configuration says, TOML or the parameters of nav2_amcl.
-fn configuration(args: &ReplayArgs) -> Result<(MethodSettings, ReplayOptions)> {
+fn configuration(args: &ReplayArgs) -> Result<Configuration> {
     let changes = &args.output.changes;
     let config = match &args.config {
         Some(file) if is_yaml(file) => return parameters(file, changes),
@@ -72,11 +88,12 @@ fn configuration(args: &ReplayArgs) -> Result<(MethodSettings, ReplayOptions)> {
     };
     let start_sigmas = config.start.sigmas()?;
     let settings = MethodSettings { seed: SEED, ..config.settings()? };
-    Ok((settings, ReplayOptions { start_sigmas, ..ReplayOptions::default() }))
+    let options = ReplayOptions { start_sigmas, ..ReplayOptions::default() };
+    Ok(Configuration { settings, options, names: RosNames::default(), without_bag: Vec::new() })
 }
 
 /// What a parameter file of nav2_amcl says, with changes of the keys that a TOML file has.
-fn parameters(file: &Path, changes: &[String]) -> Result<(MethodSettings, ReplayOptions)> {
+fn parameters(file: &Path, changes: &[String]) -> Result<Configuration> {
     let given = AmclParameters::read(file)?;
     for warning in &given.warnings {
         eprintln!("warning: {warning}");
@@ -100,7 +117,9 @@ fn parameters(file: &Path, changes: &[String]) -> Result<(MethodSettings, Replay
         ..ReplayOptions::default()
     };
     let seed = given.seed.unwrap_or(SEED);
-    Ok((MethodSettings { mcl, seed, ..MethodSettings::default() }, options))
+    let settings = MethodSettings { mcl, seed, ..MethodSettings::default() };
+    let AmclParameters { names, without_bag, .. } = given;
+    Ok(Configuration { settings, options, names, without_bag })
 }
 
 fn is_yaml(file: &Path) -> bool {

@@ -2,7 +2,7 @@
 
 use super::Format;
 use super::laser::parse_pose;
-use crate::source::ros::RosOptions;
+use crate::source::ros::{OdometryDelay, RosNames, RosOptions};
 use crate::{Result, config};
 use anyhow::bail;
 use loc_core::error::finite;
@@ -31,7 +31,8 @@ pub struct RosArgs {
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true)]
     pub laser_mounting: Option<String>,
     /// How much later than its stamp the robot was where its odometry says, in seconds; negative
-    /// for an odometry that comes late.
+    /// for an odometry that comes late, 0 for stamps as they are. Estimated from the turns of the
+    /// scans where left out.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub odom_delay: Option<f64>,
     /// Noise to add to the odometry of a bag, as standard deviations: of the distance \[m\] after
@@ -44,17 +45,30 @@ impl RosArgs {
     /// The library's form.
     pub(in crate::cli) fn options(&self, seed: u64) -> Result<RosOptions> {
         let pose = |text: &String| parse_pose("--laser-mounting", text);
+        let known =
+            |delay| Ok::<_, crate::Error>(OdometryDelay::Known(finite("--odom-delay [s]", delay)?));
         let noise = |text: &String| Ok::<_, crate::Error>((parse_noise(text)?, seed));
         Ok(RosOptions {
             scan_topic: self.scan_topic.clone(),
             odom_topic: self.odom_topic.clone(),
             reference_topic: self.reference_topic.clone(),
+            names: RosNames::default(),
             imu_topic: self.imu_topic.clone(),
             fix_topic: self.fix_topic.clone(),
             mounting: self.laser_mounting.as_ref().map(pose).transpose()?,
-            odometry_delay: finite("--odom-delay [s]", self.odom_delay.unwrap_or(0.0))?,
+            odometry_delay: self.odom_delay.map_or(Ok(OdometryDelay::Estimated), known)?,
             odometry_noise: self.odom_noise.as_ref().map(noise).transpose()?,
         })
+    }
+
+    /// The library's form, with stamps as they are unless something else is said.
+    pub(in crate::cli) fn as_it_is(&self, seed: u64) -> Result<RosOptions> {
+        let options = self.options(seed)?;
+        let delay = match options.odometry_delay {
+            OdometryDelay::Estimated => OdometryDelay::default(),
+            known => known,
+        };
+        Ok(RosOptions { odometry_delay: delay, ..options })
     }
 
     /// Refuses what only a bag can have.

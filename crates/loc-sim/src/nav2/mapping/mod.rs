@@ -19,7 +19,7 @@ pub(super) fn map(mut given: Given) -> Result<AmclParameters> {
     recovery::recovery(&mut given, &mut parameters.mcl)?;
     laser::laser(&mut given, &mut parameters.mcl)?;
     start::start(&mut given, &mut parameters)?;
-    ros::ros(&mut given);
+    ros::ros(&mut given, &mut parameters)?;
     parameters.mcl.validate().map_err(|error| given.error(&error))?;
     parameters.warnings = given.into_warnings();
     Ok(parameters)

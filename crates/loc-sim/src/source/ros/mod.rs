@@ -41,7 +41,7 @@ pub use bag::{Channel, Encoding, MessageReader, RawMessage};
 pub use bag1::Bag1;
 pub use bag2::{Bag2, Database3};
 pub use mcap::{McapReader, McapWriter};
-pub use recording::{RosOptions, RosRecording, laser_log};
+pub use recording::{OdometryDelay, RosNames, RosOptions, RosRecording, laser_log};
 pub use serialization::{Decoder, Dialect, Encoder};
 pub use survey::{Survey, Topic};
 

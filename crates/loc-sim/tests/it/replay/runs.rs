@@ -70,6 +70,8 @@ fn without_a_truth_every_figure_of_errors_is_null() {
     assert_eq!(files.text("estimate_mcl.tum").unwrap().lines().count(), 65);
     let table = loc_sim::output::table(&summary);
     assert!(table.starts_with("hall: 31.5 s\n") && table.lines().all(|l| l.len() <= 80), "{table}");
+    assert!(table.contains("\nmcl: 100.0 % of the last scan's beams"), "{table}");
+    assert_eq!(json["methods"]["mcl"]["beam_fit_at_end"], 1.0);
     // The estimates are sound all the same.
     let last = run.methods[1].estimates[63].pose;
     assert!(last.distance(drive()[63]) < 0.15, "{last}");

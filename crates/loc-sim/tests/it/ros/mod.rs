@@ -1,5 +1,6 @@
 //! Bags of ROS: what others wrote, what is damaged, and how messages become events.
 
+mod accuracy;
 mod checksums;
 #[cfg(feature = "cli")]
 mod command;
@@ -7,6 +8,8 @@ mod damage;
 pub(crate) mod database;
 pub(crate) mod foreign;
 mod formats;
+#[cfg(feature = "cli")]
+mod late;
 mod mcap_output;
 #[cfg(feature = "cli")]
 mod memory;

@@ -2,6 +2,7 @@
 
 use super::beside::{Satellites, in_the_middle};
 use super::counts::Counts;
+use super::delay::MeasuredDelay;
 use super::noise::NoisyOdometry;
 use super::preview::Preview;
 use super::roles::{ReferenceFrom, Roles};
@@ -27,7 +28,7 @@ pub(super) struct Join {
     bag: Box<dyn MessageReader>,
     pub(super) roles: Roles,
     mounting: Option<Pose2>,
-    odometry_delay: i64,
+    pub(super) delay: MeasuredDelay,
     pub(super) frames: TransformBuffer,
     noise: Option<NoisyOdometry>,
     pub(super) satellites: Satellites,
@@ -62,12 +63,13 @@ impl Join {
         preview: Preview,
         roles: Roles,
         options: &RosOptions,
+        delay: MeasuredDelay,
     ) -> Result<Self> {
         Ok(Join {
             bag,
             roles,
             mounting: options.mounting,
-            odometry_delay: Stamp::from_seconds(options.odometry_delay).0,
+            delay,
             frames: preview.frames,
             noise: options.odometry_noise.map(|(noise, seed)| NoisyOdometry::new(noise, seed)),
             satellites: Satellites::default(),
@@ -132,10 +134,11 @@ impl Join {
 
     pub(super) fn take_odometry(&mut self, stamp: Stamp, log_time: Stamp, pose: Option<Pose2>) {
         let stamp = self.stamp(stamp, log_time);
-        let stamp = Stamp(stamp.0.saturating_add(self.odometry_delay));
+        let stamp = Stamp(stamp.0.saturating_add(Stamp::from_seconds(self.delay.used).0));
         let late = self.odometry.back().is_some_and(|(latest, _)| stamp <= *latest);
         match pose {
             Some(pose) if !late && stamp > self.given => {
+                let pose = pose * self.roles.base_in_odometry;
                 let pose = self.noise.as_mut().map_or(pose, |noise| noise.next(pose));
                 self.odometry.push_back((stamp, pose));
             }
@@ -206,8 +209,9 @@ impl Join {
                 Some(format!("reference: the recorded transform from {map}, itself an estimate"))
             }
         };
-        let notes = self.bag.notes().into_iter().chain(reference).chain(self.satellites.note());
-        let notes = notes.chain(self.roles.not_chosen.iter().cloned());
+        let notes = self.bag.notes().into_iter().chain(reference).chain(self.delay.note());
+        let notes =
+            notes.chain(self.satellites.note()).chain(self.roles.not_chosen.iter().cloned());
         notes.chain(self.counts.notes()).collect()
     }
 }

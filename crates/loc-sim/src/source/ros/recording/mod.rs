@@ -10,7 +10,9 @@
 
 mod beside;
 mod counts;
+mod delay;
 mod join;
+mod names;
 mod noise;
 mod options;
 mod order;
@@ -19,14 +21,15 @@ mod roles;
 mod scan;
 mod take;
 
-pub use options::RosOptions;
+pub use options::{OdometryDelay, RosNames, RosOptions};
 
+use self::delay::MeasuredDelay;
 use self::join::Join;
 use self::preview::Preview;
 use self::roles::Roles;
 use crate::event::Event;
 use crate::source::laser_log::{Entry, LaserLog, ReplayOptions, Scans, What, belief, start_pose};
-use crate::source::{Setup, Source};
+use crate::source::{OdometryTiming, Setup, Source};
 use crate::{Error, Result};
 use std::collections::VecDeque;
 use std::path::Path;
@@ -137,7 +140,14 @@ pub fn laser_log(path: &Path, ros: &RosOptions) -> Result<LaserLog> {
 fn open_join(path: &Path, options: &RosOptions) -> Result<Join> {
     let preview = Preview::of(path)?;
     let roles = Roles::choose(path, &preview, options)?;
-    Join::new(super::open(path)?, preview, roles, options)
+    let open = |delay: MeasuredDelay| {
+        Join::new(super::open(path)?, preview.clone(), roles.clone(), options, delay)
+    };
+    let delay = match options.odometry_delay {
+        OdometryDelay::Known(used) => MeasuredDelay::known(used),
+        OdometryDelay::Estimated => MeasuredDelay::of(open(MeasuredDelay::default())?)?,
+    };
+    open(delay)
 }
 
 /// An entry as it is used: the odometry of a scan that is left out stays.
@@ -200,5 +210,9 @@ impl Source for RosRecording {
 
     fn has_truth(&self) -> bool {
         self.has_truth
+    }
+
+    fn odometry_timing(&self) -> Option<OdometryTiming> {
+        Some(self.join.delay.timing())
     }
 }

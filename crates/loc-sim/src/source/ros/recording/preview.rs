@@ -12,7 +12,7 @@ use std::path::Path;
 const KEEP: f64 = 30.0;
 
 /// What is known of a bag before it is replayed.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Preview {
     pub(super) survey: Survey,
     /// The fixed transforms.
@@ -73,6 +73,20 @@ impl Preview {
             let frames = (odometry.header.frame_id, odometry.child_frame_id);
             self.odometry_frames.entry(channel.topic.clone()).or_insert(frames);
         }
+    }
+
+    /// Whether one frame moves in another.
+    pub(super) fn moves(&self, parent: &str, child: &str) -> bool {
+        self.moving.contains(&(parent.to_owned(), child.to_owned()))
+    }
+
+    /// The only topic of odometry in a frame.
+    pub(super) fn odometry_in(&self, frame: &str) -> Option<String> {
+        let plain = |frame: &str| frame.trim_start_matches('/').to_owned();
+        let fits = |(_, (of, _)): &(&String, &(String, String))| plain(of) == plain(frame);
+        let mut topics = self.odometry_frames.iter().filter(fits);
+        let (first, _) = topics.next()?;
+        topics.next().is_none().then(|| first.clone())
     }
 
     /// The child of the first moving transform whose parent has a name that fits.

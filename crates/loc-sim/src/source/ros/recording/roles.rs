@@ -1,5 +1,6 @@
 //! Which topic is what.
 
+use super::names;
 use super::{Preview, RosOptions, unsuitable};
 use crate::Result;
 use crate::source::ros::messages::{
@@ -7,6 +8,7 @@ use crate::source::ros::messages::{
     PoseWithCovarianceStamped,
 };
 use crate::source::ros::survey::Topic;
+use loc_core::Pose2;
 use std::path::Path;
 
 /// What the topics of a bag are used for.
@@ -16,11 +18,13 @@ pub(super) struct Roles {
     pub(super) odometry: OdometryFrom,
     /// The frame of the robot.
     pub(super) base: String,
+    /// Where that frame is in the one that the odometry is about.
+    pub(super) base_in_odometry: Pose2,
     pub(super) reference: ReferenceFrom,
     /// The topic of an inertial unit, and of a satellite receiver.
     pub(super) inertial: Option<String>,
     pub(super) satellites: Option<String>,
-    /// Topics that nobody has chosen from, as lines for the user.
+    /// Topics that nobody has chosen from, and names that were asked for and are not there, as lines for the user.
     pub(super) not_chosen: Vec<String>,
 }
 
@@ -54,12 +58,22 @@ impl Roles {
         // A cloud is made a scan of only where there is no laser, or where it is named.
         let lasers = chooser.of(&SCANS[..2]).next().is_some() && options.scan_topic.is_none();
         let kinds = if lasers { &SCANS[..2] } else { &SCANS };
-        let scans = chooser.choose("--scan-topic", &options.scan_topic, kinds, "scans")?;
+        let names = &options.names;
+        let mut notes = Vec::new();
+        let asked = names.scan_topic.as_deref().filter(|_| options.scan_topic.is_none());
+        let found = asked.and_then(|name| chooser.named(name, &SCANS));
+        let named = options.scan_topic.clone().or(found);
+        let scans = chooser.choose("--scan-topic", &named, kinds, "scans")?;
         let scans = scans.ok_or_else(|| {
             chooser.missing("a topic of type LaserScan, MultiEchoLaserScan or PointCloud2")
         })?;
-        let odometry =
-            chooser.choose("--odom-topic", &options.odom_topic, &ODOMETRY, "odometry")?;
+        if let Some(name) = asked.filter(|name| plain(name) != plain(&scans)) {
+            notes.push(names::missing("scan_topic", name, &scans));
+        }
+        // Of several topics, that with the frame.
+        let of_frame = names.odom_frame.as_deref().and_then(|frame| preview.odometry_in(frame));
+        let named = options.odom_topic.clone().or(of_frame);
+        let odometry = chooser.choose("--odom-topic", &named, &ODOMETRY, "odometry")?;
         let (odometry, base) = match odometry {
             Some(topic) => {
                 let child = preview.odometry_frames.get(&topic).map(|(_, child)| child.as_str());
@@ -67,23 +81,31 @@ impl Roles {
                 (OdometryFrom::Topic(topic), child.to_owned())
             }
             None => {
+                let is_named = |frame: &str| Some(frame) == names.odom_frame.as_deref().map(plain);
                 let is_odom = |frame: &str| frame.contains("odom");
-                let (parent, child) = preview.moving_below(is_odom).ok_or_else(|| {
+                let below =
+                    preview.moving_below(is_named).or_else(|| preview.moving_below(is_odom));
+                let (parent, child) = below.ok_or_else(|| {
                     chooser.missing("a topic of type Odometry, or a transform from a frame odom")
                 })?;
+                let asked = names.base_frame.as_deref().map(plain);
+                let child = asked.filter(|base| preview.moves(parent, base)).unwrap_or(child);
                 (OdometryFrom::Transform(parent.to_owned()), child.to_owned())
             }
         };
-        let base = base.trim_start_matches('/').to_owned();
+        let (base, base_in_odometry) =
+            names::base(names, preview, &odometry, plain(&base), &mut notes);
+        names::check(names, preview, &odometry, &mut notes);
         let reference = reference(&chooser, preview, options)?;
         let mut roles = Roles {
             scans,
             odometry,
             base,
+            base_in_odometry,
             reference,
             inertial: None,
             satellites: None,
-            not_chosen: Vec::new(),
+            not_chosen: notes,
         };
         let several = &mut roles.not_chosen;
         roles.inertial = chooser.beside("--imu-topic", &options.imu_topic, Imu::NAME, several)?;
@@ -99,7 +121,10 @@ fn reference(
     preview: &Preview,
     options: &RosOptions,
 ) -> Result<ReferenceFrom> {
-    let map = preview.moving_below(|frame| frame == "map").map(|(map, _)| map.to_owned());
+    let asked = options.names.map_frame.as_deref().map_or("map", plain);
+    let map = preview.moving_below(|frame| frame == asked);
+    let map = map.or_else(|| preview.moving_below(|frame| frame == "map"));
+    let map = map.map(|(map, _)| map.to_owned());
     let named = options.reference_topic.as_deref().map(|name| (name, name.trim_start_matches('/')));
     Ok(match named {
         Some((_, "none")) => ReferenceFrom::Nothing,
@@ -122,6 +147,11 @@ fn reference(
     })
 }
 
+/// Names of ROS 1 may start with a slash.
+pub(super) fn plain(name: &str) -> &str {
+    name.trim_start_matches('/')
+}
+
 /// Whether the name says that the poses are true.
 fn is_truth(topic: &Topic) -> bool {
     let name = topic.channel.topic.replace('_', "").to_lowercase();
@@ -140,6 +170,12 @@ impl Chooser<'_> {
         self.topics.iter().filter(|topic| topic.count > 0).filter(fits)
     }
 
+    /// The topic with messages of one of several types that has a name.
+    fn named(&self, name: &str, types: &[&str]) -> Option<String> {
+        let topic = self.of(types).find(|topic| plain(&topic.channel.topic) == plain(name));
+        topic.map(|topic| topic.channel.topic.clone())
+    }
+
     /// The topic that is named, or the only one of its types.
     fn choose(
         &self,
@@ -148,7 +184,6 @@ impl Chooser<'_> {
         types: &[&str],
         what: &str,
     ) -> Result<Option<String>> {
-        let plain = |name: &str| name.trim_start_matches('/').to_owned();
         if let Some(named) = named {
             let found = self
                 .topics
