@@ -1,11 +1,15 @@
 //! One step of the landmark EKF: motion, then six landmarks by distance and bearing; beside it the
-//! same step written out on bare nalgebra with the simple form and an inverse.
+//! same step written out on bare nalgebra with the simple form and an inverse, the unscented filter,
+//! and the step with its part of the smoothing afterwards.
 #![allow(missing_docs, clippy::expect_used)]
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2, Twist2};
-use loc_filters::landmark::{LandmarkEkf, LandmarkSettings};
+use loc_filters::NonlinearFilter;
+use loc_filters::landmark::{
+    LandmarkEkf, LandmarkFilter, LandmarkSettings, LandmarkSmoother, LandmarkUkf,
+};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::{Sight, Sighting};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
@@ -53,6 +57,18 @@ fn bare(belief: &mut Gaussian<3>, map: &LandmarkMap, sightings: &[Sighting], noi
     *belief = Gaussian { mean: x, covariance: p };
 }
 
+fn one<F: NonlinearFilter<3>>(
+    mut filter: LandmarkFilter<F>,
+    map: &LandmarkMap,
+    sightings: &[Sighting],
+) -> LandmarkFilter<F> {
+    filter.predict(black_box(TWIST), DT).expect("finite");
+    for sighting in sightings {
+        filter.correct(map, black_box(sighting)).expect("finite");
+    }
+    filter
+}
+
 fn step(c: &mut Criterion) {
     let (map, sightings) = world();
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
@@ -61,15 +77,29 @@ fn step(c: &mut Criterion) {
 
     let filter = LandmarkEkf::new(start, settings).expect("valid");
     group.bench_function("loc-filters", |bencher| {
+        bencher.iter(|| one(black_box(filter), &map, &sightings));
+    });
+    let filter = LandmarkUkf::new(start, settings).expect("valid");
+    group.bench_function("loc-filters, unscented", |bencher| {
+        bencher.iter(|| one(black_box(filter), &map, &sightings));
+    });
+    // A whole drive; Criterion divides by its steps.
+    const STEPS: u32 = 1000;
+    group.throughput(Throughput::Elements(u64::from(STEPS)));
+    group.bench_function("1000 steps and their smoothing", |bencher| {
         bencher.iter(|| {
-            let mut filter = black_box(filter);
-            filter.predict(black_box(TWIST), DT).expect("finite");
-            for sighting in &sightings {
-                filter.correct(&map, black_box(sighting)).expect("finite");
+            let shared = map.clone();
+            let mut drive = LandmarkSmoother::new(shared, settings, 0.0, start).expect("valid");
+            for k in 1..=STEPS {
+                let stamp = DT * f64::from(k);
+                drive.velocity(stamp, black_box(TWIST)).expect("in order");
+                drive.sightings(stamp, black_box(&sightings)).expect("in order");
+                drive.mark(stamp).expect("in order");
             }
-            filter
+            drive.smooth().expect("finite")
         });
     });
+    group.throughput(Throughput::Elements(1));
     let motion = settings.motion_noise;
     let (q_r, q_phi) = (settings.sight_noise.range_sigma, settings.sight_noise.bearing_sigma);
     let noise = [motion.k_d, motion.k_theta, motion.k_drift, q_r * q_r, q_phi * q_phi];

@@ -26,7 +26,8 @@
 use crate::Result;
 use crate::innovation::{Gate, Innovation, finite};
 use crate::kalman::update;
-use loc_core::{Gaussian, angle};
+use crate::nonlinear::wrapped;
+use loc_core::Gaussian;
 use nalgebra::{SMatrix, SVector};
 
 /// A motion, linearised at a state.
@@ -107,10 +108,16 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
     /// # Errors
     /// [`crate::Error::NotFinite`] where the model leads to NaN or infinity; the belief is kept.
     pub fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
-        let LinearizedMotion { state, jacobian, noise } = motion.linearize(&self.belief.mean);
-        finite("predicted state", &state)?;
-        self.belief.mean = state;
-        self.belief.covariance = update::propagate(&jacobian, &self.belief.covariance, &noise);
+        let linear = motion.linearize(&self.belief.mean);
+        self.follow(&linear)
+    }
+
+    /// Prediction by a motion that is linearised already.
+    pub(crate) fn follow(&mut self, motion: &LinearizedMotion<N>) -> Result<()> {
+        finite("predicted state", &motion.state)?;
+        let (jacobian, noise) = (&motion.jacobian, &motion.noise);
+        self.belief.mean = motion.state;
+        self.belief.covariance = update::propagate(jacobian, &self.belief.covariance, noise);
         self.wrap_angles();
         Ok(())
     }
@@ -138,10 +145,6 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
     // ANCHOR_END: correct
 
     fn wrap_angles(&mut self) {
-        for &index in self.angles {
-            if let Some(value) = self.belief.mean.get_mut(index) {
-                *value = angle::wrap(*value);
-            }
-        }
+        self.belief.mean = wrapped(self.belief.mean, self.angles);
     }
 }

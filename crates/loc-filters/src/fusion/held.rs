@@ -6,11 +6,13 @@ use super::models::{
 };
 use super::motion::{FusedMotion, Walked};
 use super::outcome::{FusionOutcome, FusionSensor};
+use super::pulse::Pulse;
 use super::settings::FusionSettings;
 use super::state::{FusedBelief, SPEED, STATES, Square, TURN};
 use crate::delayed::Step;
 use crate::landmark::RangeBearingModel;
-use crate::{Error, ExtendedKalmanFilter, Gate, Result};
+use crate::smoother::{Recorded, Smoother};
+use crate::{Error, Gate, NonlinearFilter, Result};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::compass::CompassReading;
@@ -24,11 +26,6 @@ use std::sync::Arc;
 const PIECE: f64 = 0.1;
 /// More pieces than this are not worth their time.
 const MOST_PIECES: f64 = 1000.0;
-/// What a sensor measured holds for so many of its periods.
-const HOLDS: f64 = 1.5;
-/// A sensor's period as long as only one reading is known, and the longest \[s\].
-const FIRST_PERIOD: f64 = 0.1;
-const LONGEST_PERIOD: f64 = 1.0;
 /// Rounding of what wheels report: 1 mm/s, 1 mrad/s.
 const WHEEL_ROUNDING: f64 = 1e-6;
 
@@ -40,35 +37,13 @@ pub(super) enum Input {
     Compass(CompassReading),
     Position(Gaussian<2>),
     Sightings(Vec<Sighting>),
-}
-
-/// A sensor that measures again and again.
-#[derive(Debug, Clone, Copy)]
-struct Pulse {
-    last: Option<f64>,
-    /// When its last measurement ceases to hold \[s\].
-    until: f64,
-}
-
-impl Pulse {
-    const SILENT: Pulse = Pulse { last: None, until: f64::NEG_INFINITY };
-
-    /// A measurement at `stamp` \[s\]; the answer is the time since the last one.
-    fn beat(&mut self, stamp: f64) -> f64 {
-        let since = self.last.map(|last| stamp - last).filter(|since| *since > 0.0);
-        let period = since.unwrap_or(FIRST_PERIOD).min(LONGEST_PERIOD);
-        *self = Pulse { last: Some(stamp), until: stamp + HOLDS * period };
-        period
-    }
-
-    fn holds(&self, stamp: f64) -> bool {
-        stamp < self.until
-    }
+    /// A time whose belief is wanted later.
+    Mark,
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Held {
-    filter: ExtendedKalmanFilter<STATES>,
+pub(super) struct Held<F> {
+    filter: F,
     settings: FusionSettings,
     gate: Gate,
     map: Arc<LandmarkMap>,
@@ -82,7 +57,7 @@ pub(super) struct Held {
     steps: u64,
 }
 
-impl Held {
+impl<F: NonlinearFilter<STATES>> Held<F> {
     pub(super) fn new(
         map: Arc<LandmarkMap>,
         settings: FusionSettings,
@@ -92,7 +67,7 @@ impl Held {
         let gate = settings.check()?;
         let belief = super::start::belief(&settings, start)?;
         Ok(Held {
-            filter: ExtendedKalmanFilter::new(belief)?.with_angles(&[super::state::THETA]),
+            filter: F::start(belief, &[super::state::THETA])?,
             settings,
             gate,
             map,
@@ -244,7 +219,11 @@ impl Held {
         let FusionSettings { mounting, sight_noise: noise, .. } = self.settings;
         let landmark = landmark.position.xy();
         let sight = RangeBearingModel { landmark, mounting, noise };
-        let model = SightModel::new(sight, self.filter.belief());
+        let model = if F::BENDS {
+            SightModel::straight(sight)
+        } else {
+            SightModel::new(sight, self.filter.belief())
+        };
         let (filter, gate) = (&mut self.filter, &self.gate);
         Ok(match sighting.sight {
             Sight::RangeBearing { range, bearing } => {
@@ -275,6 +254,10 @@ impl Held {
             Input::Sightings(sightings) => {
                 sightings.iter().map(|one| self.sighting(one)).collect::<Result<_>>()?
             }
+            Input::Mark => {
+                self.filter.mark();
+                Vec::new()
+            }
         };
         let covariance = &self.filter.belief().covariance;
         if covariance.diagonal().iter().all(|variance| *variance >= 0.0 && variance.is_finite()) {
@@ -284,7 +267,13 @@ impl Held {
     }
 }
 
-impl Step for Held {
+impl<F: NonlinearFilter<STATES>> Held<Recorded<F, STATES>> {
+    pub(super) fn past(&self) -> &Smoother<STATES> {
+        self.filter.past()
+    }
+}
+
+impl<F: NonlinearFilter<STATES>> Step for Held<F> {
     type Input = Input;
     type Report = Vec<FusionOutcome>;
 
@@ -305,6 +294,7 @@ impl Step for Held {
             Input::Sightings(sightings) => {
                 4 + sightings.first().map_or(0, |first| u64::from(first.landmark))
             }
+            Input::Mark => u64::MAX,
         }
     }
 }

@@ -35,6 +35,7 @@ mod held;
 mod models;
 mod motion;
 mod outcome;
+mod pulse;
 mod settings;
 mod start;
 pub mod state;
@@ -48,20 +49,23 @@ pub use outcome::{FusionOutcome, FusionSensor};
 pub use settings::FusionSettings;
 pub use state::FusedBelief;
 
-use crate::Result;
 use crate::delayed::DelayedFilter;
+use crate::smoother::Recorded;
+use crate::{ExtendedKalmanFilter, NonlinearFilter, Result};
 use held::{Held, Input};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::compass::CompassReading;
 use loc_sensors::imu::ImuReading;
 use loc_sensors::landmark_camera::Sighting;
+use state::STATES;
 use std::sync::Arc;
 
-/// Localization with whatever sensors there are, on stamped inputs.
+/// Localization with whatever sensors there are, on stamped inputs; with the extended Kalman filter,
+/// unless another one is named.
 #[derive(Debug, Clone)]
-pub struct FusedLocalizer {
-    filter: DelayedFilter<Held>,
+pub struct FusedLocalizer<F: NonlinearFilter<STATES> = ExtendedKalmanFilter<STATES>> {
+    filter: DelayedFilter<Held<F>>,
     /// Between two samples of the inertial unit \[s\].
     period: f64,
 }
@@ -73,6 +77,21 @@ impl FusedLocalizer {
     /// # Errors
     /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
     pub fn new(
+        map: impl Into<Arc<LandmarkMap>>,
+        settings: FusionSettings,
+        stamp: f64,
+        start: Gaussian<3>,
+    ) -> Result<Self> {
+        FusedLocalizer::with_filter(map, settings, stamp, start)
+    }
+}
+
+impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
+    /// A robot with any filter.
+    ///
+    /// # Errors
+    /// As [`FusedLocalizer::new`].
+    pub fn with_filter(
         map: impl Into<Arc<LandmarkMap>>,
         settings: FusionSettings,
         stamp: f64,
@@ -158,5 +177,25 @@ impl FusedLocalizer {
     ) -> Result<FusionOutcome> {
         let outcomes = self.filter.input(what, stamp, input)?;
         Ok(outcomes.first().copied().unwrap_or(FusionOutcome::refused(sensor)))
+    }
+}
+
+impl<F: NonlinearFilter<STATES>> FusedLocalizer<Recorded<F, STATES>> {
+    /// Asks for the belief at a time \[s\], to be smoothed later.
+    ///
+    /// # Errors
+    /// As [`odometry`](FusedLocalizer::odometry).
+    pub fn mark(&mut self, stamp: f64) -> Result<()> {
+        self.filter.input("mark", stamp, Input::Mark).map(|_| ())
+    }
+
+    /// The smoothed belief at each mark, in the order of their times: what all that came before and
+    /// after says, late inputs included.
+    ///
+    /// # Errors
+    /// Those of [`Smoother::smooth`](crate::smoother::Smoother::smooth).
+    pub fn smooth(&self) -> Result<Vec<FusedBelief>> {
+        let marked = self.filter.newest().past().smooth_marked()?;
+        Ok(marked.into_iter().map(FusedBelief).collect())
     }
 }

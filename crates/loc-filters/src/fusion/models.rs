@@ -162,6 +162,11 @@ impl SightModel {
         SightModel { sight, bend: variance / view.x.max(variance.sqrt()).max(NEAREST) }
     }
 
+    /// The model for a filter that sees the bend of a circle itself.
+    pub fn straight(sight: RangeBearingModel) -> Self {
+        SightModel { sight, bend: 0.0 }
+    }
+
     /// Variance of the distance that the bend adds \[m^2\].
     fn scatter(&self) -> f64 {
         0.5 * self.bend * self.bend

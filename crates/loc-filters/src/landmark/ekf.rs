@@ -47,13 +47,18 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
     pub fn predict(&mut self, twist: Twist2, dt: f64) -> Result<()> {
         crate::innovation::finite("velocity", &twist.to_vector())?;
         loc_core::error::non_negative("time step [s]", dt)?;
-        self.filter.predict(&self.motion(twist, dt))
+        let LandmarkSettings { integration, motion_noise: noise, .. } = self.settings;
+        self.filter.predict(&VelocityMotion { twist, dt, integration, noise })
     }
 
-    /// The motion of a prediction.
-    pub(super) fn motion(&self, twist: Twist2, dt: f64) -> VelocityMotion {
-        let LandmarkSettings { integration, motion_noise: noise, .. } = self.settings;
-        VelocityMotion { twist, dt, integration, noise }
+    /// The filter on the models of this module.
+    pub(super) fn filter(&self) -> &F {
+        &self.filter
+    }
+
+    /// See [`NonlinearFilter::mark`].
+    pub(super) fn mark(&mut self) {
+        self.filter.mark();
     }
 
     /// Corrects with one sighting. Several of one moment are given one after the other; each is

@@ -1,9 +1,8 @@
-//! The landmark EKF over a whole drive, smoothed.
+//! Landmark localization over a whole drive, smoothed.
 
-use super::{LandmarkEkf, LandmarkSettings, Outcome};
-use crate::extended::MotionModel;
-use crate::smoother::Smoother;
-use crate::{Error, Result};
+use super::{LandmarkFilter, LandmarkSettings, Outcome};
+use crate::smoother::{Recorded, Smoother};
+use crate::{Error, ExtendedKalmanFilter, NonlinearFilter, Result};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::landmark_camera::Sighting;
@@ -11,7 +10,8 @@ use std::sync::Arc;
 
 /// Landmark localization after the drive: the inputs of
 /// [`LandmarkLocalizer`](super::LandmarkLocalizer), in the order of their stamps, and marks at the
-/// times whose smoothed beliefs are wanted.
+/// times whose smoothed beliefs are wanted. With the extended Kalman filter, unless another one is
+/// named.
 ///
 /// ```
 /// use loc_core::{Pose2, Twist2, gaussian::pose_belief};
@@ -31,14 +31,11 @@ use std::sync::Arc;
 /// # Ok::<(), loc_filters::Error>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct LandmarkSmoother {
-    ekf: LandmarkEkf,
-    past: Smoother<3>,
+pub struct LandmarkSmoother<F: NonlinearFilter<3> = ExtendedKalmanFilter<3>> {
+    filter: LandmarkFilter<Recorded<F, 3>>,
     stamp: f64,
     twist: Twist2,
     map: Arc<LandmarkMap>,
-    /// The moment of each mark.
-    marks: Vec<usize>,
 }
 
 impl LandmarkSmoother {
@@ -53,11 +50,24 @@ impl LandmarkSmoother {
         stamp: f64,
         start: Gaussian<3>,
     ) -> Result<Self> {
+        LandmarkSmoother::with_filter(map, settings, stamp, start)
+    }
+}
+
+impl<F: NonlinearFilter<3>> LandmarkSmoother<F> {
+    /// A drive with any filter that stands still at `stamp` \[s\].
+    ///
+    /// # Errors
+    /// As [`LandmarkSmoother::new`].
+    pub fn with_filter(
+        map: impl Into<Arc<LandmarkMap>>,
+        settings: LandmarkSettings,
+        stamp: f64,
+        start: Gaussian<3>,
+    ) -> Result<Self> {
         let stamp = loc_core::error::finite("start time [s]", stamp)?;
-        let ekf = LandmarkEkf::new(start, settings)?;
-        let past = Smoother::new(*ekf.belief())?.with_angles(&[2]);
-        let (map, marks) = (map.into(), Vec::new());
-        Ok(LandmarkSmoother { ekf, past, stamp, twist: Twist2::ZERO, map, marks })
+        let filter = LandmarkFilter::new(start, settings)?;
+        Ok(LandmarkSmoother { filter, stamp, twist: Twist2::ZERO, map: map.into() })
     }
 
     /// The velocity from `stamp` \[s\] on.
@@ -82,11 +92,10 @@ impl LandmarkSmoother {
             sighting.sight.check()?;
         }
         self.drive_to("sightings", stamp)?;
-        let mut ekf = self.ekf;
-        let outcomes = sightings.iter().map(|sighting| ekf.correct(&self.map, sighting));
+        let mut filter = self.filter.clone();
+        let outcomes = sightings.iter().map(|sighting| filter.correct(&self.map, sighting));
         let outcomes = outcomes.collect::<Result<Vec<_>>>()?;
-        self.ekf = ekf;
-        self.past.corrected(self.ekf.belief());
+        self.filter = filter;
         Ok(outcomes)
     }
 
@@ -96,7 +105,7 @@ impl LandmarkSmoother {
     /// [`Error::TooLate`] for a time before the last stamp.
     pub fn mark(&mut self, stamp: f64) -> Result<()> {
         self.drive_to("mark", stamp)?;
-        self.marks.push(self.past.len() - 1);
+        self.filter.mark();
         Ok(())
     }
 
@@ -105,25 +114,26 @@ impl LandmarkSmoother {
     /// # Errors
     /// Those of [`Smoother::smooth`].
     pub fn smooth(&self) -> Result<Vec<Gaussian<3>>> {
-        let smoothed = self.past.smooth()?;
-        Ok(self.marks.iter().filter_map(|&moment| smoothed.get(moment).copied()).collect())
+        self.past().smooth_marked()
     }
 
     /// What the filter believed at each mark.
     pub fn filtered(&self) -> Vec<Gaussian<3>> {
-        self.marks.iter().filter_map(|&moment| self.past.filtered(moment).copied()).collect()
+        self.past().filtered_marked()
+    }
+
+    fn past(&self) -> &Smoother<3> {
+        self.filter.filter().past()
     }
 
     fn drive_to(&mut self, what: &'static str, stamp: f64) -> Result<()> {
         let dt = loc_core::error::finite("stamp [s]", stamp)? - self.stamp;
         // Inputs from before the start belong to the start.
-        if dt < 0.0 && !self.past.is_empty() {
+        if dt < 0.0 && !self.past().is_empty() {
             return Err(Error::TooLate { what, stamp, newest: self.stamp, horizon: 0.0 });
         }
         if dt > 0.0 {
-            let motion = self.ekf.motion(self.twist, dt).linearize(&self.ekf.belief().mean);
-            self.ekf.predict(self.twist, dt)?;
-            self.past.predicted(&motion, self.ekf.belief());
+            self.filter.predict(self.twist, dt)?;
             self.stamp = stamp;
         }
         Ok(())

@@ -9,7 +9,8 @@ use super::{
     FieldOfView, LineMatchingSettings, LinePair, LinePairing, LineUpdate, PredictedLine, Tracking,
 };
 use crate::association::{AssociationSettings, Associator};
-use crate::{ExtendedKalmanFilter, Gate, Result};
+use crate::smoother::Recorded;
+use crate::{ExtendedKalmanFilter, Gate, NonlinearFilter, Result, UnscentedKalmanFilter};
 use loc_core::gaussian::{check_covariance, cholesky};
 use loc_core::motion::{DrivenPath, PathNoise};
 use loc_core::{Gaussian, Pose2};
@@ -19,10 +20,11 @@ use loc_sensors::laser::LaserScan;
 use nalgebra::{Vector2, Vector3, Vector6};
 use std::sync::Arc;
 
-/// Extended Kalman filter over (x, y, theta) \[m, m, rad\] with the walls of a line map.
+/// A Kalman filter over (x, y, theta) \[m, m, rad\] with the walls of a line map: [`LineEkf`] or
+/// [`LineUkf`].
 #[derive(Debug, Clone)]
-pub struct LineEkf {
-    filter: ExtendedKalmanFilter<STATES>,
+pub struct LineFilter<F> {
+    filter: F,
     map: Arc<LineMap>,
     settings: LineMatchingSettings,
     gate: Gate,
@@ -31,7 +33,13 @@ pub struct LineEkf {
     tracking: Tracking,
 }
 
-impl LineEkf {
+/// The extended Kalman filter (H4).
+pub type LineEkf = LineFilter<ExtendedKalmanFilter<STATES>>;
+
+/// The unscented Kalman filter on the same models.
+pub type LineUkf = LineFilter<UnscentedKalmanFilter<STATES>>;
+
+impl<F: NonlinearFilter<STATES>> LineFilter<F> {
     /// A filter in a map that starts from a belief over (x, y, theta).
     ///
     /// # Errors
@@ -50,8 +58,8 @@ impl LineEkf {
         let gate = settings.gate()?;
         let systematic = settings.systematic;
         let start = with_odometry(&start, systematic.drift, systematic.scale);
-        let filter = ExtendedKalmanFilter::new(start)?.with_angles(&[2]);
-        Ok(LineEkf { filter, map, settings, gate, path: None, tracking: Tracking::default() })
+        let filter = F::start(start, &[2])?;
+        Ok(LineFilter { filter, map, settings, gate, path: None, tracking: Tracking::default() })
     }
 
     /// What the filter believes now.
@@ -105,7 +113,7 @@ impl LineEkf {
         let belief = Gaussian::new(belief.mean, belief.covariance)?;
         let mut all = *self.filter.belief();
         set_pose(&mut all, &belief);
-        self.filter = ExtendedKalmanFilter::new(all)?.with_angles(&[2]);
+        self.filter = F::start(all, &[2])?;
         self.tracking = Tracking::default();
         Ok(())
     }
@@ -171,8 +179,8 @@ impl LineEkf {
         view: FieldOfView,
         mounting: Pose2,
         sigmas: Vector3<f64>,
-    ) -> Result<Attempt> {
-        let mut filter = self.filter;
+    ) -> Result<Attempt<F>> {
+        let mut filter = self.filter.clone();
         filter.predict(&OdometryStep {
             path: DrivenPath::starting_at(Pose2::IDENTITY),
             variances: sigmas.component_mul(&sigmas),
@@ -214,7 +222,7 @@ impl LineEkf {
     }
 
     /// Believes a correction, unless the scan does not fit.
-    fn take(&mut self, seen: Vec<Line>, mounting: Pose2, attempt: Attempt) -> LineUpdate {
+    fn take(&mut self, seen: Vec<Line>, mounting: Pose2, attempt: Attempt<F>) -> LineUpdate {
         let before = self.belief();
         let Attempt { filter, predicted, mut pairs, fits } = attempt;
         self.tracking = self.tracking.after(fits, self.settings.lost.scans);
@@ -229,6 +237,21 @@ impl LineEkf {
     }
 }
 
+impl<F: NonlinearFilter<STATES>> LineFilter<Recorded<F, STATES>> {
+    /// Asks for the belief of this moment, to be smoothed later.
+    pub fn mark(&mut self) {
+        self.filter.mark();
+    }
+
+    /// The smoothed belief at each mark since the filter was started last, in the order of the marks.
+    ///
+    /// # Errors
+    /// Those of [`Smoother::smooth`](crate::smoother::Smoother::smooth).
+    pub fn smooth(&self) -> Result<Vec<Gaussian<3>>> {
+        Ok(self.filter.past().smooth_marked()?.iter().map(pose_of).collect())
+    }
+}
+
 /// Refuses lines that no scan has.
 fn check(line: &Line) -> Result<()> {
     let Line { start, end, .. } = line;
@@ -240,8 +263,8 @@ fn check(line: &Line) -> Result<()> {
 }
 
 /// A correction that was tried.
-struct Attempt {
-    filter: ExtendedKalmanFilter<STATES>,
+struct Attempt<F> {
+    filter: F,
     predicted: Vec<PredictedLine>,
     pairs: Vec<Option<LinePair>>,
     fits: Option<bool>,

@@ -39,8 +39,9 @@ mod settings;
 mod state;
 mod update;
 
-pub use ekf::LineEkf;
+pub use ekf::{LineEkf, LineFilter, LineUkf};
 pub use model::LineModel;
 pub use predicted::{FieldOfView, PredictedLine};
 pub use settings::{LineMatchingSettings, LinePairing, LostSettings, SystematicErrors};
+pub use state::STATES;
 pub use update::{LinePair, LineUpdate, Tracking};

@@ -8,7 +8,7 @@ use nalgebra::{Matrix2, Matrix2x3, SMatrix, SVector, Vector2, Vector3};
 
 /// Number of states: x, y, theta, the drift of the odometry's heading \[rad/m\], and the share by
 /// which its distances are too short.
-pub(super) const STATES: usize = 5;
+pub const STATES: usize = 5;
 
 pub(super) type State = SVector<f64, STATES>;
 

@@ -29,6 +29,7 @@
 //! # Ok::<(), loc_filters::Error>(())
 //! ```
 
+mod chain;
 mod gain;
 mod recorded;
 
@@ -36,28 +37,33 @@ pub use recorded::{Recordable, Recorded};
 
 use crate::extended::LinearizedMotion;
 use crate::kalman::update::propagate;
+use crate::nonlinear::wrapped;
 use crate::{Error, Result};
-use loc_core::{Gaussian, angle};
-use nalgebra::SMatrix;
+use chain::Chain;
+use loc_core::Gaussian;
+use nalgebra::{SMatrix, SVector};
 
-/// The beliefs of a filter over a drive, with what led from each to the next.
-#[derive(Debug, Clone, PartialEq)]
+/// The beliefs of a filter over a drive, with what led from each to the next. A copy of it is cheap.
+#[derive(Debug, Clone)]
 pub struct Smoother<const N: usize> {
     angles: &'static [usize],
-    nodes: Vec<Node<N>>,
+    past: Chain<Node<N>>,
+    now: Node<N>,
 }
 
 /// A moment between two predictions.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 struct Node<const N: usize> {
     /// The belief after all corrections of this moment.
     filtered: Gaussian<N>,
     /// How it was reached; `None` at the start.
     step: Option<Step<N>>,
+    /// How often its belief is asked for.
+    marks: usize,
 }
 
 /// A prediction.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 struct Step<const N: usize> {
     /// The belief that it led to, before any correction.
     predicted: Gaussian<N>,
@@ -65,12 +71,24 @@ struct Step<const N: usize> {
 }
 
 /// How the state before a prediction and the one after it hang together.
-#[derive(Debug, Clone, PartialEq)]
-enum Link<const N: usize> {
-    /// By a linearised motion: F and Q.
-    Linear { jacobian: SMatrix<f64, N, N>, noise: SMatrix<f64, N, N> },
-    /// By the covariance of the two.
-    Cross(SMatrix<f64, N, N>),
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Link<const N: usize> {
+    /// By a tangent: the state after is `F x` and noise.
+    Tangent {
+        /// F.
+        jacobian: SMatrix<f64, N, N>,
+        /// Its covariance.
+        noise: SMatrix<f64, N, N>,
+    },
+    /// By sigma points: `x = mean + L u` before, `A u` and noise after, with u of covariance 1.
+    Points {
+        /// L, with `L L^T` the covariance before.
+        root: SMatrix<f64, N, N>,
+        /// A.
+        slopes: SMatrix<f64, N, N>,
+        /// The noise of the motion, and what the points leave over from a line.
+        noise: SMatrix<f64, N, N>,
+    },
 }
 
 impl<const N: usize> Smoother<N> {
@@ -84,7 +102,8 @@ impl<const N: usize> Smoother<N> {
 
     /// Begins with a belief that is known to be one.
     fn begin(filtered: Gaussian<N>, angles: &'static [usize]) -> Self {
-        Smoother { angles, nodes: vec![Node { filtered, step: None }] }
+        let now = Node { filtered, step: None, marks: 0 };
+        Smoother { angles, past: Chain::EMPTY, now }
     }
 
     /// Names the states that are angles, to be kept in (-pi, pi].
@@ -97,45 +116,65 @@ impl<const N: usize> Smoother<N> {
     /// Takes in a prediction by the linearised motion `F`, `Q` that led to the belief `predicted`.
     /// This opens a new moment.
     pub fn predicted(&mut self, motion: &LinearizedMotion<N>, predicted: &Gaussian<N>) {
-        let link = Link::Linear { jacobian: motion.jacobian, noise: motion.noise };
-        self.open(link, predicted);
+        let link = Link::Tangent { jacobian: motion.jacobian, noise: motion.noise };
+        self.linked(link, predicted);
     }
 
-    /// Takes in a prediction of which only the covariance of the states before (rows) and after
-    /// (columns) is known, as an unscented filter has it.
-    pub fn predicted_with_cross_covariance(
-        &mut self,
-        cross: &SMatrix<f64, N, N>,
-        predicted: &Gaussian<N>,
-    ) {
-        self.open(Link::Cross(*cross), predicted);
-    }
-
-    fn open(&mut self, link: Link<N>, predicted: &Gaussian<N>) {
+    /// Takes in a prediction that led to the belief `predicted`, by what links it to the one before.
+    /// This opens a new moment.
+    pub fn linked(&mut self, link: Link<N>, predicted: &Gaussian<N>) {
         let step = Some(Step { predicted: *predicted, link });
-        self.nodes.push(Node { filtered: *predicted, step });
+        let next = Node { filtered: *predicted, step, marks: 0 };
+        self.past.push(std::mem::replace(&mut self.now, next));
     }
 
     /// Takes in the belief after a correction; of several at one moment the last one counts.
     pub fn corrected(&mut self, belief: &Gaussian<N>) {
-        if let Some(node) = self.nodes.last_mut() {
-            node.filtered = *belief;
-        }
+        self.now.filtered = *belief;
+    }
+
+    /// Asks for the belief of this moment, see [`smooth_marked`](Smoother::smooth_marked).
+    pub fn mark(&mut self) {
+        self.now.marks += 1;
     }
 
     /// How many moments there are: the start, and one per prediction.
     pub fn len(&self) -> usize {
-        self.nodes.len()
+        self.past.len() + 1
     }
 
     /// Whether there is nothing but the start.
     pub fn is_empty(&self) -> bool {
-        self.nodes.len() <= 1
+        self.past.len() == 0
     }
 
-    /// What the filter believed at a moment, after its corrections.
-    pub fn filtered(&self, moment: usize) -> Option<&Gaussian<N>> {
-        self.nodes.get(moment).map(|node| &node.filtered)
+    /// The moments, the last one first.
+    fn backwards(&self) -> impl Iterator<Item = &Node<N>> {
+        std::iter::once(&self.now).chain(self.past.backwards())
+    }
+
+    /// What the filter believed at each mark, after the corrections of the moment.
+    pub fn filtered_marked(&self) -> Vec<Gaussian<N>> {
+        let mut marked: Vec<Gaussian<N>> = Vec::new();
+        for node in self.backwards() {
+            marked.extend(std::iter::repeat_n(node.filtered, node.marks));
+        }
+        marked.reverse();
+        marked
+    }
+
+    /// The smoothed belief of each mark, in the order of the marks.
+    ///
+    /// # Errors
+    /// Those of [`Smoother::smooth`].
+    pub fn smooth_marked(&self) -> Result<Vec<Gaussian<N>>> {
+        let smoothed = self.smooth()?;
+        let mut marked: Vec<Gaussian<N>> = Vec::new();
+        for (node, belief) in self.backwards().zip(smoothed.iter().rev()) {
+            marked.extend(std::iter::repeat_n(*belief, node.marks));
+        }
+        marked.reverse();
+        Ok(marked)
     }
 
     /// The smoothed beliefs, one per moment; the last one is the filter's own.
@@ -143,20 +182,22 @@ impl<const N: usize> Smoother<N> {
     /// With `C = P F^T (P-)^-1`: mean `x + C (x_s - x-)`, covariance
     /// `(I - C F) P (I - C F)^T + C (Q + P_s) C^T`, a sum of squares, which stays symmetric and
     /// positive where the textbook's `P + C (P_s - P-) C^T` need not (x-, P- are the prediction
-    /// after the moment, x_s, P_s what was smoothed there). Directions that a prediction was certain
-    /// of are left as they are.
+    /// after the moment, x_s, P_s what was smoothed there). Of sigma points, the slopes A along the
+    /// root L take the place of `F L`. Directions that a prediction was certain of are left as they
+    /// are.
     ///
     /// # Errors
     /// [`Error::NotFinite`] and [`loc_core::Error::NotACovariance`] for beliefs that are none.
     pub fn smooth(&self) -> Result<Vec<Gaussian<N>>> {
-        let mut backwards: Vec<Gaussian<N>> = Vec::with_capacity(self.nodes.len());
+        let mut backwards: Vec<Gaussian<N>> = Vec::with_capacity(self.len());
         let mut after: Option<(&Step<N>, Gaussian<N>)> = None;
-        for (moment, node) in self.nodes.iter().enumerate().rev() {
+        for node in self.backwards() {
             let smoothed = match &after {
                 None => node.filtered,
                 Some((step, later)) => self.step_back(&node.filtered, step, later)?,
             };
             if !smoothed.mean.iter().chain(smoothed.covariance.iter()).all(|v| v.is_finite()) {
+                let moment = self.len() - 1 - backwards.len();
                 let found = format!("{:?} at step {moment}", smoothed.mean.as_slice());
                 return Err(Error::NotFinite { what: "smoothed state", found });
             }
@@ -179,39 +220,25 @@ impl<const N: usize> Smoother<N> {
     ) -> Result<Gaussian<N>> {
         let p = &filtered.covariance;
         let cross = match &step.link {
-            Link::Linear { jacobian, .. } => p * jacobian.transpose(),
-            Link::Cross(cross) => *cross,
+            Link::Tangent { jacobian, .. } => p * jacobian.transpose(),
+            Link::Points { root, slopes, .. } => root * slopes.transpose(),
         };
         let gain = gain::gain(&cross, &step.predicted.covariance)?;
-        let mut change = later.mean - step.predicted.mean;
-        for &index in self.angles {
-            if let Some(value) = change.get_mut(index) {
-                *value = angle::wrap(*value);
-            }
-        }
-        let mut mean = filtered.mean + gain * change;
-        for &index in self.angles {
-            if let Some(value) = mean.get_mut(index) {
-                *value = angle::wrap(*value);
-            }
-        }
-        let covariance = match &step.link {
-            Link::Linear { jacobian, noise } => {
-                let kept = SMatrix::identity() - gain * jacobian;
-                let learnt = propagate(&gain, &(noise + later.covariance), &SMatrix::zeros());
-                propagate(&kept, p, &learnt)
-            }
-            Link::Cross(_) => {
-                let known = step.predicted.covariance - later.covariance;
-                let change = propagate(&gain, &known, &SMatrix::zeros());
-                symmetric(&(p - change))
+        let change = self.wrapped(later.mean - step.predicted.mean);
+        let mean = self.wrapped(filtered.mean + gain * change);
+        let (noise, kept, before) = match &step.link {
+            Link::Tangent { jacobian, noise } => (noise, SMatrix::identity() - gain * jacobian, *p),
+            Link::Points { root, slopes, noise } => {
+                (noise, root - gain * slopes, SMatrix::identity())
             }
         };
+        let learnt = propagate(&gain, &(noise + later.covariance), &SMatrix::zeros());
+        let covariance = propagate(&kept, &before, &learnt);
         Ok(Gaussian { mean, covariance })
     }
     // ANCHOR_END: step-back
-}
 
-fn symmetric<const N: usize>(matrix: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
-    0.5 * (matrix + matrix.transpose())
+    fn wrapped(&self, state: SVector<f64, N>) -> SVector<f64, N> {
+        wrapped(state, self.angles)
+    }
 }

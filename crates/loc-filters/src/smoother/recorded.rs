@@ -1,16 +1,18 @@
 //! Filters that keep their past.
 
+use super::Link;
 use super::Smoother;
-use crate::extended::LinearizedMotion;
 use crate::kalman::{LinearMeasurement, LinearMotion};
 use crate::{
-    ExtendedKalmanFilter, Gate, Innovation, KalmanFilter, MeasurementModel, MotionModel, Result,
+    Gate, Innovation, KalmanFilter, MeasurementModel, MotionModel, NonlinearFilter, Result,
 };
 use loc_core::Gaussian;
 use nalgebra::SVector;
 
-/// A filter that is run as always and keeps what smoothing needs.
-#[derive(Debug, Clone, PartialEq)]
+/// A filter that is run as always and keeps what smoothing needs. Around a
+/// [`NonlinearFilter`] it is one itself, so that whatever runs on such a filter can be smoothed. A
+/// copy of the past is cheap.
+#[derive(Debug, Clone)]
 pub struct Recorded<F, const N: usize> {
     filter: F,
     past: Smoother<N>,
@@ -30,15 +32,6 @@ impl<const N: usize> Recordable<N> for KalmanFilter<N> {
     }
     fn angles(&self) -> &'static [usize] {
         &[]
-    }
-}
-
-impl<const N: usize> Recordable<N> for ExtendedKalmanFilter<N> {
-    fn belief(&self) -> &Gaussian<N> {
-        self.belief()
-    }
-    fn angles(&self) -> &'static [usize] {
-        self.angles()
     }
 }
 
@@ -76,12 +69,8 @@ impl<const N: usize> Recorded<KalmanFilter<N>, N> {
     ) -> Result<()> {
         self.filter.predict(motion, u)?;
         let belief = *self.filter.belief();
-        let linear = LinearizedMotion {
-            state: belief.mean,
-            jacobian: *motion.transition(),
-            noise: *motion.noise(),
-        };
-        self.past.predicted(&linear, &belief);
+        let link = Link::Tangent { jacobian: *motion.transition(), noise: *motion.noise() };
+        self.past.linked(link, &belief);
         Ok(())
     }
 
@@ -101,19 +90,16 @@ impl<const N: usize> Recorded<KalmanFilter<N>, N> {
     }
 }
 
-impl<const N: usize> Recorded<ExtendedKalmanFilter<N>, N> {
-    /// See [`ExtendedKalmanFilter::predict`].
+impl<F: NonlinearFilter<N>, const N: usize> Recorded<F, N> {
+    /// See [`NonlinearFilter::predict`].
     ///
     /// # Errors
     /// Those of the filter; nothing is then recorded.
     pub fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
-        let linear = motion.linearize(&self.filter.belief().mean);
-        self.filter.predict(motion)?;
-        self.past.predicted(&linear, self.filter.belief());
-        Ok(())
+        self.predict_linked(motion).map(|_| ())
     }
 
-    /// See [`ExtendedKalmanFilter::correct`].
+    /// See [`NonlinearFilter::correct`].
     ///
     /// # Errors
     /// Those of the filter; nothing is then recorded.
@@ -126,5 +112,42 @@ impl<const N: usize> Recorded<ExtendedKalmanFilter<N>, N> {
         let innovation = self.filter.correct(sensor, z, gate)?;
         self.past.corrected(self.filter.belief());
         Ok(innovation)
+    }
+}
+
+impl<F: Recordable<N>, const N: usize> Recordable<N> for Recorded<F, N> {
+    fn belief(&self) -> &Gaussian<N> {
+        self.filter.belief()
+    }
+
+    fn angles(&self) -> &'static [usize] {
+        self.filter.angles()
+    }
+}
+
+impl<F: NonlinearFilter<N>, const N: usize> NonlinearFilter<N> for Recorded<F, N> {
+    const BENDS: bool = F::BENDS;
+
+    fn start(belief: Gaussian<N>, angles: &'static [usize]) -> Result<Self> {
+        Ok(Recorded::new(F::start(belief, angles)?))
+    }
+
+    fn predict_linked(&mut self, motion: &impl MotionModel<N>) -> Result<Link<N>> {
+        let link = self.filter.predict_linked(motion)?;
+        self.past.linked(link, self.filter.belief());
+        Ok(link)
+    }
+
+    fn correct<const M: usize>(
+        &mut self,
+        sensor: &impl MeasurementModel<N, M>,
+        z: &SVector<f64, M>,
+        gate: &Gate,
+    ) -> Result<Innovation<M>> {
+        self.correct(sensor, z, gate)
+    }
+
+    fn mark(&mut self) {
+        self.past.mark();
     }
 }

@@ -3,7 +3,8 @@
 //! Where a motion or a sensor bends, the tangent that the extended Kalman filter takes is wrong for
 //! a belief that is wide. The unscented filter sends a few points of the belief, the sigma points,
 //! through the model and takes mean and covariance of what comes out; up to the second order of the
-//! bend that is right. It uses the same models as [`ExtendedKalmanFilter`];
+//! bend that is right. It uses the same models as
+//! [`ExtendedKalmanFilter`](crate::ExtendedKalmanFilter);
 //! for linear ones the two are the same.
 //!
 //! The 2 N + 1 points stand in the mean and at `+- sqrt(N + kappa)` standard deviations, with
@@ -33,62 +34,15 @@
 
 mod points;
 
-use crate::extended::{ExtendedKalmanFilter, MeasurementModel, MotionModel};
+use crate::extended::{MeasurementModel, MotionModel};
 use crate::innovation::{Gate, Innovation, finite};
 use crate::kalman::update;
+use crate::nonlinear::wrapped;
+use crate::smoother::Link;
 use crate::{Error, Result};
-use loc_core::{Gaussian, angle};
+use loc_core::Gaussian;
 use nalgebra::{SMatrix, SVector};
 use points::{Points, factor};
-
-/// A filter of systems that are not linear, on the models of [`extended`](crate::extended).
-pub trait NonlinearFilter<const N: usize>: Clone + std::fmt::Debug {
-    /// A filter that starts from a belief whose states `angles` are angles.
-    ///
-    /// # Errors
-    /// Those of [`Gaussian::new`].
-    fn start(belief: Gaussian<N>, angles: &'static [usize]) -> Result<Self>;
-    /// What it believes now.
-    fn belief(&self) -> &Gaussian<N>;
-    /// Prediction.
-    ///
-    /// # Errors
-    /// Those of the filter; the belief is kept.
-    fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()>;
-    /// Correction with a measurement `z`, unless the gate turns it away.
-    ///
-    /// # Errors
-    /// Those of the filter; the belief is kept.
-    fn correct<const M: usize>(
-        &mut self,
-        sensor: &impl MeasurementModel<N, M>,
-        z: &SVector<f64, M>,
-        gate: &Gate,
-    ) -> Result<Innovation<M>>;
-}
-
-impl<const N: usize> NonlinearFilter<N> for ExtendedKalmanFilter<N> {
-    fn start(belief: Gaussian<N>, angles: &'static [usize]) -> Result<Self> {
-        Ok(ExtendedKalmanFilter::new(belief)?.with_angles(angles))
-    }
-
-    fn belief(&self) -> &Gaussian<N> {
-        self.belief()
-    }
-
-    fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
-        self.predict(motion)
-    }
-
-    fn correct<const M: usize>(
-        &mut self,
-        sensor: &impl MeasurementModel<N, M>,
-        z: &SVector<f64, M>,
-        gate: &Gate,
-    ) -> Result<Innovation<M>> {
-        self.correct(sensor, z, gate)
-    }
-}
 
 /// A belief about `N` states, with its filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,6 +50,21 @@ pub struct UnscentedKalmanFilter<const N: usize> {
     belief: Gaussian<N>,
     angles: &'static [usize],
     steps: u64,
+}
+
+/// What a prediction did with the sigma points.
+pub(crate) struct Followed<const N: usize> {
+    off: Points<SVector<f64, N>, N>,
+    root: SMatrix<f64, N, N>,
+    noise: SMatrix<f64, N, N>,
+}
+
+impl<const N: usize> Followed<N> {
+    /// How the states before and after hang together.
+    pub(crate) fn link(&self) -> Link<N> {
+        let (slopes, bend) = self.off.slopes_and_bend();
+        Link::Points { root: self.root, slopes, noise: self.noise + bend }
+    }
 }
 
 impl<const N: usize> UnscentedKalmanFilter<N> {
@@ -122,6 +91,11 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
         &self.belief
     }
 
+    /// The states that are angles.
+    pub(crate) fn angles(&self) -> &'static [usize] {
+        self.angles
+    }
+
     /// Prediction: mean and covariance of the moved sigma points, plus the noise that the model
     /// has at the mean.
     ///
@@ -129,19 +103,26 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
     /// [`Error::NotFinite`] where the model leads to NaN or infinity, [`Error::LostPositivity`]
     /// where the covariance is none any more; the belief is kept.
     pub fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
-        let (points, _) = self.points()?;
+        self.follow(motion).map(|_| ())
+    }
+
+    /// Prediction; the answer are the moved points, about their mean, the root of the covariance that
+    /// they stood along, and the noise of the motion.
+    pub(crate) fn follow(&mut self, motion: &impl MotionModel<N>) -> Result<Followed<N>> {
+        let (points, root) = self.points()?;
         let moved = points.map(|state| motion.predict(state));
         moved.iter().try_for_each(|state| finite("predicted state", state))?;
         let mean = moved.mean(|state, center| self.wrapped(state - center));
         let off = moved.map(|state| self.wrapped(state - mean));
-        let covariance = off.second_moment() + motion.linearize(&self.belief.mean).noise;
+        let noise = motion.linearize(&self.belief.mean).noise;
+        let covariance = off.second_moment() + noise;
         if !covariance.iter().all(|value| value.is_finite()) {
             let found = format!("{:?}", covariance.as_slice());
             return Err(Error::NotFinite { what: "predicted covariance", found });
         }
         self.belief = Gaussian { mean: self.wrapped(mean), covariance };
         self.steps += 1;
-        Ok(())
+        Ok(Followed { off, root, noise })
     }
 
     /// Correction with a measurement `z`, unless the gate turns it away.
@@ -193,35 +174,7 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
         Ok((Points::about(&self.belief.mean, &root), root))
     }
 
-    fn wrapped(&self, mut state: SVector<f64, N>) -> SVector<f64, N> {
-        for &index in self.angles {
-            if let Some(value) = state.get_mut(index) {
-                *value = angle::wrap(*value);
-            }
-        }
-        state
-    }
-}
-
-impl<const N: usize> NonlinearFilter<N> for UnscentedKalmanFilter<N> {
-    fn start(belief: Gaussian<N>, angles: &'static [usize]) -> Result<Self> {
-        Ok(UnscentedKalmanFilter::new(belief)?.with_angles(angles))
-    }
-
-    fn belief(&self) -> &Gaussian<N> {
-        self.belief()
-    }
-
-    fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
-        self.predict(motion)
-    }
-
-    fn correct<const M: usize>(
-        &mut self,
-        sensor: &impl MeasurementModel<N, M>,
-        z: &SVector<f64, M>,
-        gate: &Gate,
-    ) -> Result<Innovation<M>> {
-        self.correct(sensor, z, gate)
+    fn wrapped(&self, state: SVector<f64, N>) -> SVector<f64, N> {
+        wrapped(state, self.angles)
     }
 }

@@ -7,8 +7,8 @@ use loc_core::{Gaussian, Normal, Pose2, Twist2, gaussian::pose_belief, stats};
 use loc_filters::extended::LinearizedMotion;
 use loc_filters::kalman::{KalmanFilter, LinearMeasurement, LinearMotion};
 use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, LandmarkSmoother};
-use loc_filters::smoother::{Recorded, Smoother};
-use loc_filters::{Error, Gate};
+use loc_filters::smoother::{Link, Recorded, Smoother};
+use loc_filters::{Error, ExtendedKalmanFilter, Gate, NonlinearFilter, UnscentedKalmanFilter};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::{Sight, Sighting};
 use nalgebra::{
@@ -178,10 +178,9 @@ fn certain_states_are_no_trouble() {
     assert_eq!(past.smooth().unwrap(), [sure, sure]);
 }
 
-/// The cross-covariance of an unscented filter leads to the same as the Jacobian, where the two say
-/// the same.
+/// Sigma points lead to the same as a tangent, where nothing bends.
 #[test]
-fn a_cross_covariance_does_as_well_as_a_jacobian() {
+fn points_do_as_well_as_a_tangent() {
     let system = system(7, 20);
     let expected = system.smoothed();
     let motion = LinearMotion::new(system.f, Matrix3::zeros(), Matrix3::zeros(), system.q).unwrap();
@@ -189,9 +188,10 @@ fn a_cross_covariance_does_as_well_as_a_jacobian() {
     let mut filter = KalmanFilter::new(system.start).unwrap();
     let mut past = Smoother::new(system.start).unwrap();
     for reading in &system.readings {
-        let cross = filter.belief().covariance * system.f.transpose();
+        let root = filter.belief().covariance.cholesky().unwrap().l();
         filter.predict(&motion, &Vector3::zeros()).unwrap();
-        past.predicted_with_cross_covariance(&cross, filter.belief());
+        let link = Link::Points { root, slopes: system.f * root, noise: system.q };
+        past.linked(link, filter.belief());
         if let Some(z) = reading {
             filter.correct(&sensor, &Vector1::new(*z), &Gate::OPEN).unwrap();
             past.corrected(filter.belief());
@@ -201,6 +201,33 @@ fn a_cross_covariance_does_as_well_as_a_jacobian() {
         assert_relative_eq!(ours.mean, expected.mean, epsilon = 1e-9);
         assert_relative_eq!(ours.covariance, expected.covariance, epsilon = 1e-9);
     }
+}
+
+/// A copy of a recorded filter goes its own way, and marks ask for what both of them were like.
+#[test]
+fn copies_of_a_recorded_filter_keep_their_own_past() {
+    let drive = |x: f64| {
+        let mean = Vector1::new(x);
+        LinearizedMotion { state: mean, jacobian: Matrix1::identity(), noise: Matrix1::new(1.0) }
+    };
+    let belief = |x: f64, variance: f64| Gaussian {
+        mean: Vector1::new(x),
+        covariance: Matrix1::new(variance),
+    };
+    let mut one = Smoother::new(belief(0.0, 1.0)).unwrap();
+    one.mark();
+    one.predicted(&drive(0.0), &belief(0.0, 2.0));
+    let mut other = one.clone();
+    one.corrected(&belief(1.0, 0.5));
+    other.corrected(&belief(-1.0, 0.5));
+    other.mark();
+    other.mark();
+    // By hand: C = 1/2.
+    assert_relative_eq!(one.smooth_marked().unwrap()[0].mean.x, 0.5);
+    let of_other: Vec<f64> = other.smooth_marked().unwrap().iter().map(|b| b.mean.x).collect();
+    assert_relative_eq!(of_other.as_slice(), [-0.5, -1.0, -1.0].as_slice(), epsilon = 1e-12);
+    let filtered: Vec<f64> = other.filtered_marked().iter().map(|belief| belief.mean.x).collect();
+    assert_eq!(filtered, [0.0, -1.0, -1.0]);
 }
 
 /// Differences of angles are wrapped, and so is what comes out.
@@ -253,7 +280,7 @@ struct Drive {
     smoother_nees: Vec<f64>,
 }
 
-fn drive(seed: u64) -> Drive {
+fn drive<F: NonlinearFilter<3>>(seed: u64) -> Drive {
     let motion_noise = VelocityNoise::from_sigmas(0.05, 0.1, 0.05).unwrap();
     let settings = LandmarkSettings { motion_noise, ..LandmarkSettings::default() };
     let map = LandmarkMap::new([
@@ -266,8 +293,10 @@ fn drive(seed: u64) -> Drive {
     let mut rng = stream(seed, "drive");
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
     let mut truth = Pose2::from_vector(&start.sample(&mut rng));
-    let mut smoother = LandmarkSmoother::new(map.clone(), settings, 0.0, start).unwrap();
-    let mut online = LandmarkLocalizer::new(map.clone(), settings, 0.0, start).unwrap();
+    let mut smoother =
+        LandmarkSmoother::<F>::with_filter(map.clone(), settings, 0.0, start).unwrap();
+    let mut online =
+        LandmarkLocalizer::<F>::with_filter(map.clone(), settings, 0.0, start).unwrap();
     let (dt, mut filtered, mut truths) = (0.1, Vec::new(), Vec::new());
     for k in 0..200 {
         let stamp = dt * f64::from(k);
@@ -297,7 +326,10 @@ fn drive(seed: u64) -> Drive {
                 })
                 .collect();
             let outcomes = smoother.sightings(after, &seen).unwrap();
-            assert_eq!(outcomes, online.sightings(after, &seen).unwrap());
+            for (ours, theirs) in outcomes.iter().zip(online.sightings(after, &seen).unwrap()) {
+                assert_eq!(ours.accepted(), theirs.accepted());
+                assert_relative_eq!(ours.nis().unwrap(), theirs.nis().unwrap(), epsilon = 1e-9);
+            }
         }
         smoother.mark(after).unwrap();
         filtered.push(online.estimate(after).unwrap());
@@ -335,7 +367,15 @@ fn drive(seed: u64) -> Drive {
 /// Over many drives the smoother errs less than the filter, and knows how much.
 #[test]
 fn smoothed_drives_err_less_and_stay_honest() {
-    let drives: Vec<Drive> = (1..=60).map(drive).collect();
+    judge(&(1..=60).map(drive::<ExtendedKalmanFilter<3>>).collect::<Vec<_>>());
+}
+
+#[test]
+fn so_they_do_with_sigma_points() {
+    judge(&(1..=60).map(drive::<UnscentedKalmanFilter<3>>).collect::<Vec<_>>());
+}
+
+fn judge(drives: &[Drive]) {
     let better = drives.iter().filter(|drive| drive.smoother < drive.filter).count();
     let mean = |of: fn(&Drive) -> f64| drives.iter().map(of).sum::<f64>() / 60.0;
     let (filter, smoother) = (mean(|d| d.filter), mean(|d| d.smoother));
@@ -345,7 +385,7 @@ fn smoothed_drives_err_less_and_stay_honest() {
     assert!(better >= 57 && smoother < 0.8 * filter);
     let share = |of: fn(&Drive) -> &Vec<f64>| {
         let mut ensemble = stats::consistency::NeesEnsemble::new(0.95).unwrap();
-        for drive in &drives {
+        for drive in drives {
             ensemble.push_run(of(drive).iter().map(|nees| Some((3, *nees)))).unwrap();
         }
         (ensemble.share_in_band().unwrap(), ensemble.mean_per_degree().unwrap())

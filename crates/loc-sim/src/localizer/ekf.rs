@@ -1,13 +1,13 @@
 //! `ekf` and `ukf`: the extended (H2) and the unscented Kalman filter with landmarks.
 
 use super::driven::DrivenVelocity;
-use super::{Estimate, Judgement, Localizer, Whitened, seen_at};
+use super::{Estimate, Judgement, Localizer, MethodSettings, Whitened, seen_at};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_filters::NonlinearFilter;
-use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, Outcome, Verdict};
+use loc_filters::landmark::{LandmarkLocalizer, Outcome, Verdict};
 use loc_sensors::landmark_camera::Sighting;
 
 #[derive(Debug)]
@@ -18,7 +18,8 @@ pub(super) struct Ekf<F: NonlinearFilter<3>> {
 }
 
 impl<F: NonlinearFilter<3>> Ekf<F> {
-    pub(super) fn new(method: &str, setup: &Setup, settings: LandmarkSettings) -> Result<Self> {
+    pub(super) fn new(method: &str, setup: &Setup, settings: &MethodSettings) -> Result<Self> {
+        let settings = settings.landmark;
         if setup.landmarks.is_empty() {
             return Err(Error::Unsuitable {
                 method: method.into(),

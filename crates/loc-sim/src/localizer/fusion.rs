@@ -1,4 +1,4 @@
-//! `fusion`: whatever sensors there are, in one extended Kalman filter.
+//! `fusion` and `fusion-ukf`: whatever sensors there are, in one extended or unscented Kalman filter.
 
 use super::driven::DrivenVelocity;
 use super::{Estimate, Judgement, Localizer, MethodSettings, SensorError, Whitened, seen_at};
@@ -6,7 +6,9 @@ use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
-use loc_filters::fusion::{FusedLocalizer, FusionOutcome, state};
+use loc_filters::NonlinearFilter;
+use loc_filters::fusion::state::STATES;
+use loc_filters::fusion::{FusedLocalizer, FusionOutcome, FusionSettings, state};
 use nalgebra::{Point2, Vector2};
 
 /// The errors that figures show, with the factor of their unit.
@@ -21,8 +23,8 @@ const ERRORS: [(usize, &str, f64); 7] = [
 ];
 
 #[derive(Debug)]
-pub(super) struct Fusion {
-    localizer: FusedLocalizer,
+pub(super) struct Fusion<F: NonlinearFilter<STATES>> {
+    localizer: FusedLocalizer<F>,
     driven: DrivenVelocity,
     mounting: Pose2,
     /// The sensors that have been heard.
@@ -36,39 +38,56 @@ struct Heard {
     satellites: bool,
 }
 
-impl Fusion {
-    pub(super) fn new(setup: &Setup, settings: &MethodSettings) -> Result<Self> {
-        if setup.rail.is_some() {
-            return Err(Error::Unsuitable {
-                method: "fusion".into(),
-                expected: "a robot in the plane",
-                source_name: setup.name.clone(),
-            });
+/// The filter of a method, at the start of a source.
+pub(super) fn localizer<F: NonlinearFilter<STATES>>(
+    method: &str,
+    setup: &Setup,
+    settings: FusionSettings,
+) -> Result<FusedLocalizer<F>> {
+    if setup.rail.is_some() {
+        return Err(Error::Unsuitable {
+            method: method.into(),
+            expected: "a robot in the plane",
+            source_name: setup.name.clone(),
+        });
+    }
+    let (map, start) = (setup.landmarks.clone(), setup.start);
+    Ok(FusedLocalizer::with_filter(map, settings, start, setup.start_belief)?)
+}
+
+/// Gives a measurement to the filter; one outcome for each of its parts.
+pub(super) fn take<F: NonlinearFilter<STATES>>(
+    localizer: &mut FusedLocalizer<F>,
+    stamp: f64,
+    measurement: &Measurement,
+) -> Result<Vec<FusionOutcome>> {
+    let outcome = match measurement {
+        Measurement::Landmarks(sightings) => return Ok(localizer.sightings(stamp, sightings)?),
+        Measurement::Inertial(reading) => localizer.inertial(stamp, *reading)?,
+        Measurement::Compass(reading) => localizer.compass(stamp, *reading)?,
+        Measurement::Position(fix) => localizer.position(stamp, *fix)?,
+        Measurement::Scan { .. } | Measurement::RailPosition { .. } => return Ok(Vec::new()),
+    };
+    Ok(vec![outcome])
+}
+
+impl Heard {
+    fn hear(&mut self, measurement: &Measurement) {
+        match measurement {
+            Measurement::Landmarks(_) => self.landmarks = true,
+            Measurement::Inertial(_) => self.inertial = true,
+            Measurement::Position(_) => self.satellites = true,
+            _ => {}
         }
-        let (map, settings) = (setup.landmarks.clone(), settings.fusion());
-        let localizer = FusedLocalizer::new(map, settings, setup.start, setup.start_belief)?;
+    }
+}
+
+impl<F: NonlinearFilter<STATES>> Fusion<F> {
+    pub(super) fn new(method: &str, setup: &Setup, settings: &MethodSettings) -> Result<Self> {
+        let settings = settings.fusion();
+        let localizer = localizer(method, setup, settings)?;
         let (driven, heard) = (DrivenVelocity::default(), Heard::default());
         Ok(Fusion { localizer, driven, mounting: settings.mounting, heard })
-    }
-
-    fn take(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<FusionOutcome>> {
-        let one = |outcome| vec![outcome];
-        Ok(match measurement {
-            Measurement::Landmarks(sightings) => {
-                self.heard.landmarks = true;
-                self.localizer.sightings(stamp, sightings)?
-            }
-            Measurement::Inertial(reading) => {
-                self.heard.inertial = true;
-                one(self.localizer.inertial(stamp, *reading)?)
-            }
-            Measurement::Compass(reading) => one(self.localizer.compass(stamp, *reading)?),
-            Measurement::Position(fix) => {
-                self.heard.satellites = true;
-                one(self.localizer.position(stamp, *fix)?)
-            }
-            Measurement::Scan { .. } | Measurement::RailPosition { .. } => Vec::new(),
-        })
     }
 
     /// Where each part of a measurement puts what was seen.
@@ -92,7 +111,7 @@ fn whitened(outcome: &FusionOutcome) -> Whitened {
     }
 }
 
-impl Localizer for Fusion {
+impl<F: NonlinearFilter<STATES>> Localizer for Fusion<F> {
     fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
         if let Some((from, twist)) = self.driven.of(stamp, control) {
             match self.localizer.odometry(from, twist) {
@@ -105,7 +124,8 @@ impl Localizer for Fusion {
     }
 
     fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
-        let outcomes = match self.take(stamp, measurement) {
+        self.heard.hear(measurement);
+        let outcomes = match take(&mut self.localizer, stamp, measurement) {
             Ok(outcomes) => outcomes,
             // A measurement beyond the horizon is lost to this method, not to the run.
             Err(Error::Filter(loc_filters::Error::TooLate { .. })) => {

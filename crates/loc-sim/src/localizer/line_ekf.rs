@@ -1,62 +1,70 @@
-//! `line-ekf`: lines of laser scans against the lines of a map (H4).
+//! `line-ekf` and `line-ukf`: lines of laser scans against the lines of a map (H4).
 
 use super::{Estimate, Judgement, Localizer, MethodSettings, Whitened};
 use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
-use loc_filters::line_matching::{LineEkf, LineMatchingSettings, LinePair, LineUpdate};
+use loc_filters::NonlinearFilter;
+use loc_filters::line_matching::{LineFilter, LineMatchingSettings, LinePair, LineUpdate, STATES};
 use loc_maps::LineMap;
 use std::sync::Arc;
 
 #[derive(Debug)]
-pub(super) struct LineMatching {
-    ekf: LineEkf,
+pub(super) struct LineMatching<F> {
+    filter: LineFilter<F>,
     last: Option<LineUpdate>,
 }
 
-impl LineMatching {
-    /// In the lines of the setup or, without any, in those found in its grid.
-    pub(super) fn new(setup: &Setup, settings: &MethodSettings) -> Result<Self> {
-        let own = settings.line_matching;
-        let (lines, settings) = match (&setup.lines, &setup.map) {
-            (Some(lines), _) => (lines.clone(), own),
-            (None, Some(grid)) => {
-                let lines = LineMap::from_grid(grid, &Default::default())?;
-                // Walls that were mapped are not quite straight, and not quite in their place.
-                let map_sigma = own.map_sigma.max(grid.resolution());
-                (Arc::new(lines), LineMatchingSettings { map_sigma, ..own })
-            }
-            (None, None) => {
-                return Err(Error::Unsuitable {
-                    method: "line-ekf".into(),
-                    expected: "a map",
-                    source_name: setup.name.clone(),
-                });
-            }
-        };
-        let ekf = LineEkf::new(lines, settings, setup.start_belief)?;
-        Ok(LineMatching { ekf, last: None })
+impl<F: NonlinearFilter<STATES>> LineMatching<F> {
+    pub(super) fn new(method: &str, setup: &Setup, settings: &MethodSettings) -> Result<Self> {
+        Ok(LineMatching { filter: filter(method, setup, settings)?, last: None })
     }
 }
 
-impl Localizer for LineMatching {
+/// A filter in the lines of the setup or, without any, in those found in its grid.
+pub(super) fn filter<F: NonlinearFilter<STATES>>(
+    method: &str,
+    setup: &Setup,
+    settings: &MethodSettings,
+) -> Result<LineFilter<F>> {
+    let own = settings.line_matching;
+    let (lines, settings) = match (&setup.lines, &setup.map) {
+        (Some(lines), _) => (lines.clone(), own),
+        (None, Some(grid)) => {
+            let lines = LineMap::from_grid(grid, &Default::default())?;
+            // Walls that were mapped are not quite straight, and not quite in their place.
+            let map_sigma = own.map_sigma.max(grid.resolution());
+            (Arc::new(lines), LineMatchingSettings { map_sigma, ..own })
+        }
+        (None, None) => {
+            return Err(Error::Unsuitable {
+                method: method.into(),
+                expected: "a map",
+                source_name: setup.name.clone(),
+            });
+        }
+    };
+    Ok(LineFilter::new(lines, settings, setup.start_belief)?)
+}
+
+impl<F: NonlinearFilter<STATES>> Localizer for LineMatching<F> {
     fn predict(&mut self, _stamp: f64, control: &Control) -> Result<()> {
         if let Control::Odometry(pose) = control {
-            self.ekf.odometry(*pose)?;
+            self.filter.odometry(*pose)?;
         }
         Ok(())
     }
 
     fn correct(&mut self, _stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
         let Measurement::Scan { scan, mounting } = measurement else { return Ok(Vec::new()) };
-        let update = self.ekf.scan(scan, *mounting)?;
+        let update = self.filter.scan(scan, *mounting)?;
         let judgements = update.pairs.iter().map(judge).collect();
         self.last = Some(update);
         Ok(judgements)
     }
 
     fn estimate(&self, _stamp: f64) -> Result<Estimate> {
-        Ok(self.ekf.belief().into())
+        Ok(self.filter.belief().into())
     }
 
     fn lines(&self) -> Option<&LineUpdate> {

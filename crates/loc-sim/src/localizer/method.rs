@@ -21,7 +21,7 @@ use loc_filters::landmark::LandmarkSettings;
 use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
 use loc_filters::slam::SlamSettings;
-use loc_filters::{ExtendedKalmanFilter, UnscentedKalmanFilter};
+use loc_filters::{ExtendedKalmanFilter as Extended, UnscentedKalmanFilter as Unscented};
 use loc_pf::sensor::landmark::SightModel;
 use loc_pf::{FastSlamSettings, LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
@@ -42,8 +42,12 @@ pub enum Method {
     Ukf,
     /// The extended Kalman filter with the lines of a map (H4).
     LineEkf,
+    /// The unscented Kalman filter with the lines of a map.
+    LineUkf,
     /// Every sensor there is, in one extended Kalman filter (B, H1).
     Fusion,
+    /// Every sensor there is, in one unscented Kalman filter.
+    FusionUkf,
     /// Monte Carlo localization (M).
     Mcl,
     /// Markov localization on a grid (K1).
@@ -208,14 +212,16 @@ impl MethodSettings {
 
 impl Method {
     /// Every method, in the order in which tables list them.
-    pub const ALL: [Method; 12] = [
+    pub const ALL: [Method; 14] = [
         Method::DeadReckoning,
         Method::Lateration,
         Method::Kf,
         Method::Ekf,
         Method::Ukf,
         Method::LineEkf,
+        Method::LineUkf,
         Method::Fusion,
+        Method::FusionUkf,
         Method::Histogram,
         Method::Mcl,
         Method::KfSlam,
@@ -232,7 +238,9 @@ impl Method {
             Method::Ekf => "ekf",
             Method::Ukf => "ukf",
             Method::LineEkf => "line-ekf",
+            Method::LineUkf => "line-ukf",
             Method::Fusion => "fusion",
+            Method::FusionUkf => "fusion-ukf",
             Method::Mcl => "mcl",
             Method::Histogram => "histogram",
             Method::KfSlam => "kf-slam",
@@ -253,11 +261,11 @@ impl Method {
             Method::DeadReckoning => ("none", "none"),
             Method::Kf => ("position", "none"),
             Method::Lateration => ("ranges", "landmarks"),
-            Method::Fusion => ("camera", "landmarks"),
+            Method::Fusion | Method::FusionUkf => ("camera", "landmarks"),
             Method::Histogram => ("laser", "grid"),
             Method::Mcl if lasers => ("laser", "grid"),
             Method::Ekf | Method::Ukf | Method::Mcl => ("camera", "landmarks"),
-            Method::LineEkf => ("laser", "lines"),
+            Method::LineEkf | Method::LineUkf => ("laser", "lines"),
             Method::KfSlam | Method::EkfSlam | Method::FastSlam => ("camera", "draws its own"),
         };
         Needs { sensors, map }
@@ -270,7 +278,16 @@ impl Method {
 
     /// Whether its estimates can be smoothed after the run.
     pub fn can_smooth(self) -> bool {
-        matches!(self, Method::Kf | Method::Ekf)
+        matches!(
+            self,
+            Method::Kf
+                | Method::Ekf
+                | Method::Ukf
+                | Method::LineEkf
+                | Method::LineUkf
+                | Method::Fusion
+                | Method::FusionUkf
+        )
     }
 
     /// The method, ready to run on a source.
@@ -279,25 +296,20 @@ impl Method {
     /// [`Error::Unsuitable`] where the source lacks what the method needs, and settings that the
     /// filter refuses.
     pub fn start(self, setup: &Setup, settings: &MethodSettings) -> Result<Box<dyn Localizer>> {
+        let name = self.name();
         Ok(match self {
             Method::DeadReckoning if setup.rail.is_some() => {
-                Box::new(RailFilter::new(self.name(), setup, &settings.rail, false)?)
+                Box::new(RailFilter::new(name, setup, &settings.rail, false)?)
             }
             Method::DeadReckoning => Box::new(DeadReckoning::new(setup, settings)?),
             Method::Lateration => Box::new(Lateration::new(setup, settings)?),
-            Method::Kf => Box::new(RailFilter::new(self.name(), setup, &settings.rail, true)?),
-            Method::Ekf => Box::new(Ekf::<ExtendedKalmanFilter<3>>::new(
-                self.name(),
-                setup,
-                settings.landmark,
-            )?),
-            Method::Ukf => Box::new(Ekf::<UnscentedKalmanFilter<3>>::new(
-                self.name(),
-                setup,
-                settings.landmark,
-            )?),
-            Method::LineEkf => Box::new(LineMatching::new(setup, settings)?),
-            Method::Fusion => Box::new(Fusion::new(setup, settings)?),
+            Method::Kf => Box::new(RailFilter::new(name, setup, &settings.rail, true)?),
+            Method::Ekf => Box::new(Ekf::<Extended<3>>::new(name, setup, settings)?),
+            Method::Ukf => Box::new(Ekf::<Unscented<3>>::new(name, setup, settings)?),
+            Method::LineEkf => Box::new(LineMatching::<Extended<_>>::new(name, setup, settings)?),
+            Method::LineUkf => Box::new(LineMatching::<Unscented<_>>::new(name, setup, settings)?),
+            Method::Fusion => Box::new(Fusion::<Extended<_>>::new(name, setup, settings)?),
+            Method::FusionUkf => Box::new(Fusion::<Unscented<_>>::new(name, setup, settings)?),
             // Where both can be had, scans tell more than landmarks.
             Method::Mcl if setup.has_laser || setup.landmarks.is_empty() => {
                 Box::new(ScanMcl::new(setup, settings)?)

@@ -7,12 +7,18 @@ use loc_core::frames::Kurt2Pose;
 pub(super) const COLUMNS: [&str; 7] =
     ["ATE [m]", "max [m]", "end [m]", "head [deg]", "NEES", "used", "rejected"];
 
-/// The methods with their errors, at most 80 columns wide, without a line break at its end.
+/// The least width of the column of the methods; the whole table has then 80 columns.
+const METHOD: usize = 15;
+
+/// The methods with their errors, 80 columns wide but for methods with long names, without a line
+/// break at its end.
 pub fn table(summary: &Summary) -> String {
     let mut lines = vec![heading(summary)];
+    let longest = summary.methods.iter().map(|(name, _)| name.len() + 1).max();
+    let first = longest.unwrap_or(0).max(METHOD);
     let names = COLUMNS.map(|name| format!("{name:>width$}", width = width(name))).concat();
-    lines.push(format!("{:<15}{names}", "method"));
-    lines.extend(summary.methods.iter().map(|(name, method)| row(name, method)));
+    lines.push(format!("{:<first$}{names}", "method"));
+    lines.extend(summary.methods.iter().map(|(name, method)| row(name, first, method)));
     lines.extend(summary.methods.iter().filter_map(|(name, method)| map_line(name, method)));
     lines.extend(summary.methods.iter().filter_map(|(name, method)| fit_line(name, method)));
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
@@ -76,11 +82,11 @@ fn fit_line(name: &str, method: &MethodSummary) -> Option<String> {
     Some(format!("{name}: {share:.1} % of the last scan's beams end within 12 cm of a wall"))
 }
 
-fn row(name: &str, method: &MethodSummary) -> String {
+fn row(name: &str, first: usize, method: &MethodSummary) -> String {
     let cells = COLUMNS.iter().zip(cells(method));
     let cells: String =
         cells.map(|(name, cell)| format!("{cell:>width$}", width = width(name))).collect();
-    format!("{name:<15}{cells}")
+    format!("{name:<first$}{cells}")
 }
 
 fn width(column: &str) -> usize {

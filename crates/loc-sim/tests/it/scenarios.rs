@@ -180,7 +180,7 @@ fn bad_configurations_name_file_line_and_key() {
         (
             "\"dead-reckoning\"",
             "\"gps\"",
-            "my.toml: method: expected one of dead-reckoning, lateration, kf, ekf, ukf, line-ekf, fusion, histogram, mcl, kf-slam, ekf-slam, fastslam, got `gps`",
+            "my.toml: method: expected one of dead-reckoning, lateration, kf, ekf, ukf, line-ekf, line-ukf, fusion, fusion-ukf, histogram, mcl, kf-slam, ekf-slam, fastslam, got `gps`",
         ),
         ("\"midpoint\"", "\"simpson\"", "unknown variant `simpson`"),
         (

@@ -86,6 +86,32 @@ fn smoothing_among_landmarks_errs_less_and_is_honest() {
     assert!((figures.nees_per_degree.unwrap() - 1.0).abs() < 0.1);
 }
 
+/// Every sensor in one filter, extended or unscented, through a time without satellites.
+#[test]
+fn smoothing_a_fusion_errs_less_and_is_honest() {
+    let scenario = Scenario::named("sensor-fusion", &[]).unwrap();
+    for method in [Method::Fusion, Method::FusionUkf] {
+        let (filter, smoother, better) = compare(&scenario, method, 4);
+        assert!(smoother < 0.7 * filter && better == 4);
+        let run = smoothed_run(&scenario, method, 5);
+        let figures = summaries(&run);
+        let nees = figures[1].1.nees_mean.unwrap();
+        assert!((1.0..6.0).contains(&nees), "{method}: {nees}");
+    }
+}
+
+/// Lines in a hall seen by a robot that starts 0.2 m off: the smoother knows that from what came
+/// after, extended or unscented.
+#[test]
+fn smoothing_among_walls_errs_less() {
+    let changes = ["seed=3".to_owned()];
+    let scenario = Scenario::named("line-matching", &changes).unwrap();
+    for method in [Method::LineEkf, Method::LineUkf] {
+        let (filter, smoother, _) = compare(&scenario, method, 2);
+        assert!(smoother <= filter, "{method}: {smoother} {filter}");
+    }
+}
+
 /// After the run nothing is late: a camera with a latency leads to the same estimates.
 #[test]
 fn late_measurements_are_not_late_for_the_smoother() {
@@ -200,8 +226,8 @@ mod command {
             let arguments = format!("{command} landmark-drive --method mcl --smooth --out o");
             let output = loc_sim(folder.path(), &arguments);
             let error = String::from_utf8(output.stderr).unwrap();
-            let expected =
-                "error: --smooth: expected a Kalman filter among the methods (kf, ekf), got mcl\n";
+            let expected = "error: --smooth: expected a Kalman filter among the methods (kf, ekf, \
+                            ukf, line-ekf, line-ukf, fusion, fusion-ukf), got mcl\n";
             assert_eq!((output.status.code(), error.as_str()), (Some(1), expected));
         }
     }

@@ -284,7 +284,7 @@ impl SlidingLateration {
         let size = |r: &Carried| r.distance + r.antenna.norm() + r.sigma;
         let extent = ranges.iter().map(size).fold(0.0, f64::max);
         let (loss, bias) = (self.settings.loss, self.settings.bias);
-        let heading = self.settings.odometry;
+        let heading = (!self.settings.odometry).then_some(0.0);
         let mut window = Window { ranges, loss, bias, known, heading, extent };
         let carried = self.fix.map(|fix| self.carry(&fix.belief, fix.stamp, now));
         let from_last = carried.and_then(|belief| window.solve(belief.mean));
@@ -294,10 +294,10 @@ impl SlidingLateration {
             lost => self.search(&window).into_iter().chain(lost).min_by(by_cost)?,
         };
         // Odometry since the last fix may know the heading better than the window does.
-        if let Some(belief) = carried.filter(|_| window.heading) {
+        if let Some(belief) = carried.filter(|_| window.heading.is_none()) {
             let kept = belief.covariance[(HEADING, HEADING)];
             if best.covariance[(HEADING, HEADING)] > kept {
-                window.heading = false;
+                window.heading = Some(kept);
                 best.at[HEADING] = belief.mean.z;
                 best = window.solve(best.at.fixed_rows::<3>(0).into())?;
                 best.covariance[(HEADING, HEADING)] = kept;
@@ -316,7 +316,7 @@ impl SlidingLateration {
         }
         let solution = locate(&circles, None, &LaterationSettings::default()).ok()?;
         let places = std::iter::once(&solution.best).chain(&solution.other);
-        let headings = if window.heading { HEADINGS } else { 1 };
+        let headings = if window.heading.is_none() { HEADINGS } else { 1 };
         let starts = places.flat_map(|fix| {
             let pose = move |k| Vector3::new(fix.position.x, fix.position.y, turn(k, headings));
             (0..headings).map(pose)

@@ -69,7 +69,8 @@ impl Default for SlidingSettings {
             motion_noise: VelocityNoise::default(),
             walk: 0.5,
             range_noise: LandmarkNoise { range_sigma: 0.1, ..LandmarkNoise::default() },
-            loss: Loss::HUBER,
+            // A landmark taken for another one stays in the window for long; it must not pull at all.
+            loss: Loss::CAUCHY,
             bias: BiasPrior { scale_sigma: 0.1, offset_sigma: 0.2 },
             antenna: Point2::origin(),
             horizon: 2.0,

@@ -47,8 +47,8 @@ pub(super) struct Window {
     pub(super) bias: BiasPrior,
     /// What else is known of the pose, with the factor of its covariance.
     pub(super) known: Option<(Vector3<f64>, Cholesky<f64, Const<3>>)>,
-    /// Whether the heading is to be found, too.
-    pub(super) heading: bool,
+    /// The variance of a heading that is known from elsewhere \[rad^2\]; without, it is to be found.
+    pub(super) heading: Option<f64>,
     /// Size of the whole figure \[m\].
     pub(super) extent: f64,
 }
@@ -121,9 +121,11 @@ impl Problem for Window {
         }
     }
 
-    /// An error of odometry on one leg moves all that was measured before it.
+    /// An error of odometry on one leg moves all that was measured before it, and so does one of a
+    /// heading that is not found here.
     fn shared_noise(&self, at: &Unknowns) -> Square {
         let mut noise = Square::zeros();
+        let mut by_heading = Unknowns::zeros();
         // Of all distances so far: how the gradient answers to a shift, and to a turn about 0.
         let mut by_shift = SMatrix::<f64, UNKNOWNS, 2>::zeros();
         let mut by_turn = Unknowns::zeros();
@@ -132,6 +134,7 @@ impl Problem for Window {
             let direction = Window::direction(range, at) * at[SCALE];
             let weighted = gradient * (loss.weight(residual / sigma) / (sigma * sigma));
             by_shift += weighted * direction.transpose();
+            by_heading += weighted * gradient[HEADING];
             by_turn += weighted * direction.dot(&across(range.antenna));
             let Leg { at: pivot, ahead, along, turn } = range.leg;
             let shifted = by_shift * ahead;
@@ -139,11 +142,12 @@ impl Problem for Window {
             noise.ger(along, &shifted, &shifted, 1.0);
             noise.ger(turn, &turned, &turned, 1.0);
         }
+        noise.ger(self.heading.unwrap_or(0.0), &by_heading, &by_heading, 1.0);
         noise
     }
 
     fn reach(&self) -> Unknowns {
-        let heading = if self.heading { PI } else { 0.0 };
+        let heading = if self.heading.is_none() { PI } else { 0.0 };
         let mut reach = Unknowns::from([self.extent, self.extent, heading, 0.0, 0.0]);
         bias_reach(&self.bias, self.extent, &mut reach);
         reach

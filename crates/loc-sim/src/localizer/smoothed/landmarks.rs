@@ -1,4 +1,4 @@
-//! `ekf`, smoothed.
+//! `ekf` and `ukf`, smoothed.
 
 use super::in_order;
 use crate::Result;
@@ -7,6 +7,7 @@ use crate::localizer::Estimate;
 use crate::localizer::driven::DrivenVelocity;
 use crate::source::Setup;
 use loc_core::Twist2;
+use loc_filters::NonlinearFilter;
 use loc_filters::landmark::{LandmarkSettings, LandmarkSmoother};
 use loc_sensors::landmark_camera::Sighting;
 
@@ -16,7 +17,7 @@ enum Input<'a> {
     Sightings(&'a [Sighting]),
 }
 
-pub(super) fn smoothed(
+pub(super) fn smoothed<F: NonlinearFilter<3>>(
     setup: &Setup,
     settings: LandmarkSettings,
     events: &[Event],
@@ -38,7 +39,8 @@ pub(super) fn smoothed(
         }
     }
     let map = setup.landmarks.clone();
-    let mut drive = LandmarkSmoother::new(map, settings, setup.start, setup.start_belief)?;
+    let start = setup.start_belief;
+    let mut drive = LandmarkSmoother::<F>::with_filter(map, settings, setup.start, start)?;
     for (stamp, input) in in_order(inputs, stamps) {
         // Inputs from before the start belong to the start.
         let stamp = stamp.max(setup.start);

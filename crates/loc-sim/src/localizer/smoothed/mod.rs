@@ -4,13 +4,16 @@
 //! the order of their stamps, so that late ones are not late. A Kalman method joins in with one
 //! function here that makes its estimates at given times from all events.
 
+mod fusion;
 mod landmarks;
+mod lines;
 mod rail;
 
 use super::{Estimate, Method, MethodSettings};
 use crate::event::{Event, Payload};
 use crate::source::Setup;
 use crate::{Error, Result};
+use loc_filters::{ExtendedKalmanFilter as Extended, UnscentedKalmanFilter as Unscented};
 
 /// The smoothed estimates of a method at `stamps` \[s\], which are in order of time.
 ///
@@ -24,11 +27,21 @@ pub(crate) fn smoothed(
     events: &[Event],
     stamps: &[f64],
 ) -> Result<Vec<Estimate>> {
+    let name = method.name();
     match method {
         Method::Kf => rail::smoothed(setup, &settings.rail, events, stamps),
-        Method::Ekf => landmarks::smoothed(setup, settings.landmark, events, stamps),
-        method => Err(Error::Unsuitable {
-            method: method.name().into(),
+        Method::Ekf => landmarks::smoothed::<Extended<3>>(setup, settings.landmark, events, stamps),
+        Method::Ukf => {
+            landmarks::smoothed::<Unscented<3>>(setup, settings.landmark, events, stamps)
+        }
+        Method::LineEkf => lines::smoothed::<Extended<_>>(name, setup, settings, events, stamps),
+        Method::LineUkf => lines::smoothed::<Unscented<_>>(name, setup, settings, events, stamps),
+        Method::Fusion => fusion::smoothed::<Extended<_>>(name, setup, settings, events, stamps),
+        Method::FusionUkf => {
+            fusion::smoothed::<Unscented<_>>(name, setup, settings, events, stamps)
+        }
+        _ => Err(Error::Unsuitable {
+            method: name.into(),
             expected: "beliefs of a Kalman filter to smooth",
             source_name: setup.name.clone(),
         }),

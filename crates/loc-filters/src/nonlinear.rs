@@ -1,0 +1,125 @@
+//! What the filters of systems that are not linear have in common: the extended Kalman filter, the
+//! unscented one, and either of them [recorded](crate::smoother::Recorded) for smoothing.
+//!
+//! A localizer that is written for any [`NonlinearFilter`] runs on all of them.
+//!
+//! ```
+//! use loc_core::{Gaussian, Pose2, gaussian::pose_belief};
+//! use loc_filters::{ExtendedKalmanFilter, NonlinearFilter, UnscentedKalmanFilter};
+//!
+//! fn heading<F: NonlinearFilter<3>>(start: Gaussian<3>) -> loc_filters::Result<f64> {
+//!     Ok(F::start(start, &[2])?.belief().mean.z)
+//! }
+//! let start = pose_belief(Pose2::new(0.0, 0.0, 1.0), [0.1; 3]);
+//! assert_eq!(
+//!     heading::<ExtendedKalmanFilter<3>>(start)?,
+//!     heading::<UnscentedKalmanFilter<3>>(start)?,
+//! );
+//! # Ok::<(), loc_filters::Error>(())
+//! ```
+
+use crate::extended::{ExtendedKalmanFilter, MeasurementModel, MotionModel};
+use crate::smoother::{Link, Recordable};
+use crate::unscented::UnscentedKalmanFilter;
+use crate::{Gate, Innovation, Result};
+use loc_core::{Gaussian, angle};
+use nalgebra::SVector;
+
+/// A filter of systems that are not linear, on the models of [`extended`](crate::extended).
+pub trait NonlinearFilter<const N: usize>: Recordable<N> + Clone + std::fmt::Debug {
+    /// Whether it sees how a model bends within its belief; else a model that bends strongly has to
+    /// say so itself.
+    const BENDS: bool;
+    /// A filter that starts from a belief whose states `angles` are angles.
+    ///
+    /// # Errors
+    /// Those of [`Gaussian::new`].
+    fn start(belief: Gaussian<N>, angles: &'static [usize]) -> Result<Self>;
+    /// Prediction.
+    ///
+    /// # Errors
+    /// Those of the filter; the belief is kept.
+    fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
+        self.predict_linked(motion).map(|_| ())
+    }
+    /// Prediction that tells how the states before and after hang together.
+    ///
+    /// # Errors
+    /// Those of the filter; the belief is kept.
+    fn predict_linked(&mut self, motion: &impl MotionModel<N>) -> Result<Link<N>>;
+    /// Correction with a measurement `z`, unless the gate turns it away.
+    ///
+    /// # Errors
+    /// Those of the filter; the belief is kept.
+    fn correct<const M: usize>(
+        &mut self,
+        sensor: &impl MeasurementModel<N, M>,
+        z: &SVector<f64, M>,
+        gate: &Gate,
+    ) -> Result<Innovation<M>>;
+    /// Asks for the belief of this moment, of a filter that is recorded; others have no use for it.
+    fn mark(&mut self) {}
+}
+
+/// Both filters have the methods of the trait by the same names.
+macro_rules! nonlinear_filter {
+    ($filter:ident, bends: $bends:literal, |$self:ident, $motion:ident| $linked:expr) => {
+        impl<const N: usize> Recordable<N> for $filter<N> {
+            fn belief(&self) -> &Gaussian<N> {
+                self.belief()
+            }
+
+            fn angles(&self) -> &'static [usize] {
+                self.angles()
+            }
+        }
+
+        impl<const N: usize> NonlinearFilter<N> for $filter<N> {
+            const BENDS: bool = $bends;
+
+            fn start(belief: Gaussian<N>, angles: &'static [usize]) -> Result<Self> {
+                Ok($filter::new(belief)?.with_angles(angles))
+            }
+
+            fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
+                self.predict(motion)
+            }
+
+            fn predict_linked(&mut $self, $motion: &impl MotionModel<N>) -> Result<Link<N>> {
+                $linked
+            }
+
+            fn correct<const M: usize>(
+                &mut self,
+                sensor: &impl MeasurementModel<N, M>,
+                z: &SVector<f64, M>,
+                gate: &Gate,
+            ) -> Result<Innovation<M>> {
+                self.correct(sensor, z, gate)
+            }
+        }
+    };
+}
+
+nonlinear_filter!(ExtendedKalmanFilter, bends: false, |self, motion| {
+    let linear = motion.linearize(&self.belief().mean);
+    self.follow(&linear)?;
+    Ok(Link::Tangent { jacobian: linear.jacobian, noise: linear.noise })
+});
+
+nonlinear_filter!(UnscentedKalmanFilter, bends: true, |self, motion| {
+    Ok(self.follow(motion)?.link())
+});
+
+/// A state whose angles are in (-pi, pi]; indices beyond the state are passed over.
+pub(crate) fn wrapped<const N: usize>(
+    mut state: SVector<f64, N>,
+    angles: &[usize],
+) -> SVector<f64, N> {
+    for &index in angles {
+        if let Some(value) = state.get_mut(index) {
+            *value = angle::wrap(*value);
+        }
+    }
+    state
+}
