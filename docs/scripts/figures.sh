@@ -5,7 +5,7 @@
 #
 # The guide names them: figures/SCENARIO/FILE.svg is FILE.svg of `loc-sim run SCENARIO`, and
 # figures/SCENARIO_METHOD_../FILE.svg that of `loc-sim run SCENARIO --method METHOD ..`; the method
-# `smooth` stands for the option of that name. Figures that no page shows are removed.
+# `smooth` stands for the option of that name. figures/study/ is the study that study.md shows. Figures that no page shows are removed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -19,6 +19,11 @@ trap 'rm -rf "$scratch"' EXIT
 
 wanted=$(grep -oh 'figures/[a-z0-9_-]*/[a-z0-9-]*\.svg' src/*.md | sort -u)
 for run in $(echo "$wanted" | cut -d/ -f2 | sort -u); do
+  if [ "$run" = study ]; then
+    "$loc_sim" study landmark-drive --runs 100 --vary filter.particles=100,500,2000 \
+      --method mcl --method ekf --quiet --out "$scratch/study"
+    continue
+  fi
   IFS=_ read -ra words <<<"$run"
   options=()
   for word in "${words[@]:1}"; do

@@ -209,7 +209,8 @@ fn a_killed_run_leaves_nothing_that_looks_whole() {
 
 /// What a terminal of a width shows; `None` where there is no `script` to make one.
 fn on_a_terminal(folder: &Path, width: u32, line: &str) -> Option<String> {
-    let inner = format!("stty rows 24 cols {width}; {PROGRAM} {line}");
+    // The progress bar of a busy machine is not what is looked at.
+    let inner = format!("stty rows 24 cols {width}; {PROGRAM} {line} 2>/dev/null");
     let mut command = Command::new("script");
     command.current_dir(folder).args(["-qec", &inner, "/dev/null"]).stdin(Stdio::null());
     let Ok(output) = command.env("NO_COLOR", "1").env("TERM", "xterm-256color").output() else {

@@ -85,6 +85,17 @@ fn the_player_has_the_poses_and_the_particles_of_the_run() {
     assert!(counts.iter().filter(|count| **count > 30).count() > 20);
 }
 
+/// A recording without true poses shows no path that nobody knows.
+#[test]
+fn without_truth_there_is_no_true_path() {
+    let scenario = Scenario::named("landmark-drive", &[]).unwrap();
+    let mut run = scenario.run(None, None, &mut |_| {}).unwrap();
+    let map = |run: &Run| loc_sim::output::figures::all(run, "A title")[0].svg.clone();
+    assert!(map(&run).contains("true path"));
+    run.truth.clear();
+    assert!(!map(&run).contains("true path") && map(&run).contains("landmark as measured"));
+}
+
 #[test]
 fn a_vehicle_on_a_rail_has_figures_without_a_player() {
     let html = page(&filmed("accelerated-vehicle", &[]));

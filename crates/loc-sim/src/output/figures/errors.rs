@@ -5,8 +5,15 @@ use crate::output::svg::{Chart, Figure, Role};
 use crate::record::{MethodRecord, Run};
 use loc_core::{angle, stats};
 
+/// Lines of more methods than this are drawn as means over windows: single values hide each other.
+const FEW: usize = 4;
+
+/// Windows over a run of many methods.
+const WINDOWS: usize = 150;
+
 /// Position error, heading error and NEES of every method; of particles and grids also the spread.
 pub(super) fn errors(run: &Run) -> FigureFile {
+    let window = if run.methods.len() > FEW { run.truth.len().div_ceil(WINDOWS) } else { 1 };
     let searches = |r: &MethodRecord| !r.snapshots.is_empty() || !r.beliefs.is_empty();
     let searching = run.methods.iter().any(searches);
     // A method that searches is first lost by many metres, then right by centimetres.
@@ -17,9 +24,14 @@ pub(super) fn errors(run: &Run) -> FigureFile {
     let mut nees = Chart::new("NEES").log_y();
     for (k, record) in run.methods.iter().enumerate() {
         let (role, name) = (Role::Method(k), &record.name());
-        let over_time = |value: &dyn Fn(usize) -> Option<f64>| -> Vec<(f64, f64)> {
-            (0..run.truth.len()).map(|i| (time(run, i), value(i).unwrap_or(f64::NAN))).collect()
+        let means = |value: &dyn Fn(usize) -> Option<f64>, power: f64| -> Vec<(f64, f64)> {
+            let windows = (0..run.truth.len()).step_by(window);
+            let indices = |from: usize| from..(from + window).min(run.truth.len());
+            let value = |i: usize| value(i).unwrap_or(f64::NAN);
+            windows.map(|from| (time(run, from), mean(indices(from).map(value), power))).collect()
         };
+        // Root mean squares, but of what is a square already.
+        let over_time = |value: &dyn Fn(usize) -> Option<f64>| means(value, 2.0);
         let truth = |i: usize| run.truth[i].value.pose;
         let estimate = |i: usize| record.estimates[i];
         let distance = |i: usize| Some(estimate(i).pose.distance(truth(i)));
@@ -35,7 +47,7 @@ pub(super) fn errors(run: &Run) -> FigureFile {
         spread = spread.line(role, name, over_time(&sigma));
         let squared =
             |i: usize| Some(run.nees(&estimate(i), truth(i))?.1).filter(|nees| *nees > 1e-6);
-        nees = nees.line(role, name, over_time(&squared));
+        nees = nees.line(role, name, means(&squared, 1.0));
     }
     if !searching {
         heading = heading.reference(0.0, "");
@@ -43,7 +55,11 @@ pub(super) fn errors(run: &Run) -> FigureFile {
     if let Ok(limit) = stats::chi_square_quantile(if run.truth_has_heading { 3 } else { 2 }, 0.95) {
         nees = nees.reference(limit, "95 % of honest ones are below");
     }
-    let mut figure = Figure::new("Errors over time").subtitle(run.setup.name.clone());
+    let of_what = match window {
+        1 => run.setup.name.clone(),
+        _ => format!("{}, means over windows of {:.1} s", run.setup.name, time(run, window)),
+    };
+    let mut figure = Figure::new("Errors over time").subtitle(of_what);
     figure = figure.x_label("time [s]").panel(position);
     if run.truth_has_heading {
         figure = figure.panel(heading);
@@ -56,6 +72,18 @@ pub(super) fn errors(run: &Run) -> FigureFile {
         caption: "Position error, heading error and NEES over time".into(),
         svg: with_kidnapping(run, figure.panel(nees)).render(),
     }
+}
+
+/// The mean of powers, as a value; a single value stays as it is, sign included.
+fn mean(mut values: impl ExactSizeIterator<Item = f64>, power: f64) -> f64 {
+    let count = values.len() as f64;
+    if values.len() == 1 {
+        return values.next().unwrap_or(f64::NAN);
+    }
+    let known = values.filter(|value| value.is_finite());
+    let (sum, known) = known.fold((0.0, 0.0), |(s, n), v| (s + v.abs().powf(power), n + 1.0));
+    // Of a window that is mostly unknown nothing is told.
+    if 2.0 * known < count { f64::NAN } else { (sum / known).powf(1.0 / power) }
 }
 
 /// The moment of a kidnapping, marked.

@@ -7,6 +7,9 @@ use crate::output::svg::{Role, Scene, Style};
 use crate::record::{MethodRecord, Run};
 use loc_core::{Ellipse, Gaussian, Pose2};
 
+/// More methods than this get neither arrows nor an entry each for their ellipses.
+const FEW: usize = 4;
+
 /// About how many ellipses and arrows are drawn along a path.
 const MARKS: usize = 24;
 
@@ -26,7 +29,11 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
     }
     let largest = LARGEST_ELLIPSE * extent(run);
     for (k, record) in run.methods.iter().enumerate() {
-        let label = format!("{}, 2 sigma", record.name());
+        let label = match (run.methods.len() > FEW, k) {
+            (false, _) => format!("{}, 2 sigma", record.name()),
+            (true, 0) => "2 sigma, each in its colour".into(),
+            (true, _) => String::new(),
+        };
         let ellipses = marked(&record.estimates).filter_map(two_sigma);
         // The ellipses of a method that is lost would hide everything else.
         let alone = run.methods.len() == 1 && record.snapshots.is_empty();
@@ -44,7 +51,7 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
     for (k, record) in run.methods.iter().enumerate() {
         scene = scene.path(line(run, k), &record.name(), estimated_path(record));
         let arrows = record.method != Method::DeadReckoning && record.snapshots.is_empty();
-        if arrows || run.methods.len() == 1 {
+        if (arrows && run.methods.len() <= FEW) || run.methods.len() == 1 {
             scene = scene.poses(Role::Method(k), "", marked(&record.estimates).map(|e| e.pose));
         }
     }
@@ -146,9 +153,11 @@ fn extent(run: &Run) -> f64 {
 }
 
 fn subtitle(run: &Run) -> String {
-    let methods: Vec<_> = run.methods.iter().map(MethodRecord::name).collect();
+    let names: Vec<_> = run.methods.iter().map(MethodRecord::name).collect();
+    let many = names.len() > FEW;
+    let methods = if many { format!("{} methods", names.len()) } else { names.join(" and ") };
     let distance = run.distance().map_or(String::new(), |distance| format!("{distance:.1} m in "));
-    format!("{}, {distance}{:.1} s", methods.join(" and "), run.duration())
+    format!("{methods}, {distance}{:.1} s", run.duration())
 }
 
 fn marked(estimates: &[Estimate]) -> impl Iterator<Item = &Estimate> {

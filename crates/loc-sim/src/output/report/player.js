@@ -185,6 +185,7 @@
     const length = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500].find((l) => l * v.scale > 50) || 1000;
     c.strokeStyle = colors.ink; c.fillStyle = colors.ink; c.lineWidth = 2; c.beginPath();
     c.moveTo(12, v.height - 12); c.lineTo(12 + length * v.scale, v.height - 12); c.stroke();
+    c.strokeStyle = colors.paper; c.lineWidth = 3; c.strokeText(`${length} m`, 12, v.height - 18);
     c.fillText(`${length} m`, 12, v.height - 18);
   };
 
@@ -218,8 +219,10 @@
       c.setLineDash([4, 3]); c.strokeStyle = colors.muted;
       for (const band of bands) { c.beginPath(); c.moveTo(pad.l, Y(band)); c.lineTo(w - pad.r, Y(band)); c.stroke(); }
       c.setLineDash([]);
-      for (const [m, values] of series) {
-        c.strokeStyle = colors.methods[m]; c.lineWidth = 1.2; c.setLineDash(dashes(m)); c.beginPath();
+      // The chosen method last, over the paler others.
+      for (const [m, values] of [...series].sort(([a], [b]) => (a === state.focus) - (b === state.focus))) {
+        c.globalAlpha = m === state.focus || series.length <= 4 ? 1 : 0.45;
+        c.strokeStyle = colors.methods[m]; c.lineWidth = m === state.focus ? 1.6 : 1.1; c.setLineDash(dashes(m)); c.beginPath();
         let pen = false;
         for (let i = 0; i < values.length; i++) {
           if (!Number.isFinite(values[i])) { pen = false; continue; }
@@ -227,14 +230,14 @@
           if (pen) c.lineTo(x, y); else c.moveTo(x, y);
           pen = true;
         }
-        c.stroke(); c.setLineDash([]);
+        c.stroke(); c.setLineDash([]); c.globalAlpha = 1;
       }
     };
     self.draw = () => {
       const [c, w] = fit(canvas, height);
-      if (!self.base || self.width !== w) {
+      if (!self.base || self.width !== w || self.focus !== state.focus) {
         lines(c, w);
-        self.width = w;
+        self.width = w; self.focus = state.focus;
         self.base = document.createElement("canvas");
         self.base.width = canvas.width; self.base.height = canvas.height;
         self.base.getContext("2d").drawImage(canvas, 0, 0);

@@ -74,7 +74,7 @@ impl HeatMaps {
             }
         }
         if let Some(bar) = &self.bar {
-            end = draw_bar(&mut writer, bar, left, end + 10.0, WIDTH - left - RIGHT);
+            end = draw_bar(&mut writer, bar, left, end + 10.0, WIDTH - left - RIGHT, false);
         }
         writer.finish(&self.title, end + 6.0)
     }

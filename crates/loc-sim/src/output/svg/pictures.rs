@@ -95,23 +95,24 @@ fn draw(writer: &mut Writer, picture: &Picture, left: f64, top: f64, width: f64)
     let height = (width / picture.aspect).clamp(1.0, 2.0 * WIDTH);
     image(writer, &picture.data_uri, [left, top, width, height]);
     match &picture.bar {
-        Some(bar) => draw_bar(writer, bar, left, top + height + 8.0, width),
+        Some(bar) => draw_bar(writer, bar, left, top + height + 8.0, width, false),
         None => top + height,
     }
 }
 
-/// Draws a strip of colours with its numbers below and its name beside it; returns where it ends
-/// \[px\].
+/// Draws a strip of colours with its numbers below and its name beside it, with other colours in
+/// dark surroundings where the images that it explains have them; returns where it ends \[px\].
 pub(super) fn draw_bar(
     writer: &mut Writer,
     bar: &ColorBar,
     left: f64,
     top: f64,
     width: f64,
+    turns_dark: bool,
 ) -> f64 {
     let name = text::width(&bar.name, TICK_SIZE) + 8.0;
     let width = width - name;
-    image(writer, &bar.data_uri, [left, top, width, BAR]);
+    draw_image(writer, &bar.data_uri, [left, top, width, BAR], turns_dark);
     let axis = Axis::linear((bar.low, bar.high), (left, left + width)).across();
     for tick in &axis.ticks {
         let half = 0.5 * text::width(&tick.label, TICK_SIZE);
@@ -124,13 +125,25 @@ pub(super) fn draw_bar(
     top + BAR + 20.0
 }
 
-pub(super) fn image(writer: &mut Writer, data_uri: &str, [left, top, width, height]: [f64; 4]) {
+pub(super) fn image(writer: &mut Writer, data_uri: &str, place: [f64; 4]) {
+    draw_image(writer, data_uri, place, false);
+}
+
+/// Images that stand for paper, such as maps, change their colours in dark surroundings.
+fn draw_image(
+    writer: &mut Writer,
+    data_uri: &str,
+    [left, top, width, height]: [f64; 4],
+    turns_dark: bool,
+) {
     let place = |element: Element| {
         element.num("x", left).num("y", top).num("width", width).num("height", height)
     };
     // Anything but an image in the file itself would need the network.
     if data_uri.starts_with("data:image/") {
-        let element = place(Element::new("image")).attr("preserveAspectRatio", "none");
+        let element = Element::new("image");
+        let element = if turns_dark { element.class("loc-image") } else { element };
+        let element = place(element).attr("preserveAspectRatio", "none");
         writer.add(element.attr("href", data_uri));
     }
     writer.add(place(Element::new("rect")).no_fill().stroke(Paint::EDGE, 1.0));

@@ -68,6 +68,11 @@ fn killed_three_times_it_gives_the_same_table() {
     for round in 1..=3_usize {
         let mut child = command(folder.path()).spawn().unwrap();
         wait_for(folder.path(), &mut child, kept.len() + 7 * round);
+        // Some moment within the runs that come next, another one each time.
+        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap();
+        let delay = Duration::from_micros(u64::from(now.subsec_nanos()) % 8_000);
+        println!("killed {delay:?} after a run");
+        std::thread::sleep(delay);
         child.kill().unwrap();
         child.wait().unwrap();
         let now = runs(folder.path());

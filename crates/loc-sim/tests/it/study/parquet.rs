@@ -1,6 +1,7 @@
 //! Parquet files are read back by a small reader written from the specification alone, and by
 //! pyarrow where Python has it.
 
+use loc_sim::localizer::Method;
 use loc_sim::study::parquet::{Column, Kind, Values, Writer};
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -205,6 +206,30 @@ fn a_file_is_read_back_value_by_value() {
     assert_eq!(table[3].1[3], "0.30000000000000004");
     assert_eq!(table[3].1[11].parse::<f64>().unwrap(), -1e-300);
     assert_eq!(table[4].1[10..], ["ä10", ""]);
+}
+
+/// What a study writes: the Parquet file holds the table, cell by cell, nulls and texts included.
+#[test]
+fn the_file_of_a_study_is_its_table() {
+    let methods = [Method::DeadReckoning, Method::Ekf];
+    let study = super::drive(5, &["camera.range_sigma=0.05,0.2"], &methods);
+    let folder = tempfile::TempDir::new().unwrap();
+    assert!(study.run(folder.path(), 2, &mut |_| true).unwrap());
+    study.write(folder.path(), "test").unwrap();
+    let table = read(&std::fs::read(folder.path().join("runs.parquet")).unwrap());
+    let csv = std::fs::read_to_string(folder.path().join("runs.csv")).unwrap();
+    let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let names: Vec<&str> = table.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(lines.next().unwrap(), names);
+    let rows: Vec<Vec<&str>> = lines.collect();
+    assert_eq!(rows.len(), 2 * 5 * 2);
+    let mut nulls = 0;
+    for (k, row) in rows.iter().enumerate() {
+        let cells = table.iter().map(|(_, cells)| if cells[k] == "-" { "" } else { &cells[k] });
+        assert!(row.iter().copied().eq(cells), "row {k}: {row:?}");
+        nulls += row.iter().filter(|cell| cell.is_empty()).count();
+    }
+    assert!(nulls > 0 && table.iter().all(|(_, cells)| cells.len() == rows.len()));
 }
 
 #[test]

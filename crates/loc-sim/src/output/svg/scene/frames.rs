@@ -95,7 +95,7 @@ impl Frames {
             }
         }
         if let Some(bar) = &self.bar {
-            top = draw_bar(&mut writer, bar, LEFT, top + 6.0, WIDTH - 2.0 * LEFT);
+            top = draw_bar(&mut writer, bar, LEFT, top + 6.0, WIDTH - 2.0 * LEFT, true);
         }
         writer.finish(&self.title, top + 6.0)
     }
