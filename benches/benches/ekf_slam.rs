@@ -1,8 +1,11 @@
-//! One correction of EKF-SLAM among n landmarks, beside the same step on full nalgebra matrices
-//! and beside what memory alone takes: reading and writing half of the covariance.
+//! One correction of EKF-SLAM among n landmarks, beside the same step on full nalgebra matrices, the
+//! lower half by faer, and what memory alone takes: reading and writing half of the covariance. And
+//! the check of a whole covariance, by faer and by nalgebra.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, Mat, Par};
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::slam::{EkfSlam, Jacobians, SlamSettings};
 use loc_sensors::landmark_camera::{Sight, Sighting};
@@ -62,6 +65,31 @@ fn full_update(p: &mut DMatrix<f64>, h: &DMatrix<f64>, columns: &[usize]) -> DVe
     gain.column(0).into()
 }
 
+/// The lower half of `P - G (P H^T)^T`, of which the factors are given.
+fn lower_update(p: &mut Mat<f64>, gain: &Mat<f64>, p_ht: &Mat<f64>) {
+    use BlockStructure::{Rectangular, TriangularLower};
+    let (lower, factors) = (TriangularLower, Rectangular);
+    let transposed = p_ht.transpose();
+    matmul(p, lower, Accum::Add, gain, factors, transposed, factors, -1.0, Par::Seq);
+}
+
+/// Whether a covariance is positive, as the filter asks faer, and by nalgebra's factorisation.
+fn checks(c: &mut Criterion) {
+    let mut group = c.benchmark_group("ekf-slam/check of 500 landmarks");
+    group.sample_size(10);
+    let slam = driven(500, SlamSettings::default());
+    group.bench_function("loc-filters", |bencher| {
+        bencher.iter(|| black_box(&slam).covariance().expect("positive"));
+    });
+    let mut whole = slam.covariance().expect("positive");
+    let size = whole.nrows();
+    (0..size).for_each(|k| whole[(k, k)] *= 1.0 + 1e-9);
+    group.bench_function("nalgebra's Cholesky alone", |bencher| {
+        bencher.iter_batched(|| whole.clone(), nalgebra::Cholesky::new, BatchSize::LargeInput);
+    });
+    group.finish();
+}
+
 fn updates(c: &mut Criterion) {
     let mut group = c.benchmark_group("ekf-slam/1-sighting");
     for n in [100, 500, 1000, 2000_u32] {
@@ -93,6 +121,14 @@ fn updates(c: &mut Criterion) {
                 bencher.iter(|| full_update(black_box(&mut p), &h, &columns));
             });
         }
+        let mut p = Mat::from_fn(size, size, |i, j| if i == j { 1.0 } else { 0.3 });
+        let factor = Mat::from_fn(size, 2, |i, k| 1e-9 * (i + k) as f64);
+        group.bench_function(
+            BenchmarkId::new("lower half by faer, its product alone", n),
+            |bencher| {
+                bencher.iter(|| lower_update(black_box(&mut p), &factor, &factor));
+            },
+        );
     }
     group.finish();
 
@@ -111,6 +147,7 @@ fn updates(c: &mut Criterion) {
     });
     group.finish();
 
+    checks(c);
     submap(c);
 
     let mut group = c.benchmark_group("ekf-slam/motion");

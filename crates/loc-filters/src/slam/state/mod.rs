@@ -15,8 +15,9 @@ pub(super) use map_state::MapState;
 use triangle::Triangle;
 
 use crate::{Error, Gate, Innovation, Result};
+use faer::{Mat, Side};
 use loc_core::gaussian::check_covariance;
-use nalgebra::{Cholesky, DMatrix, Matrix2, Point2, SMatrix, SVector};
+use nalgebra::{DMatrix, Matrix2, Point2, SMatrix, SVector};
 
 /// Mean and covariance of robot and map.
 #[derive(Debug, Clone)]
@@ -160,14 +161,12 @@ impl<const R: usize> LargeState<R> {
     pub(super) fn checked_covariance(&self) -> Result<DMatrix<f64>> {
         let whole = self.covariance();
         let scales = whole.diagonal().map(|variance| variance.max(f64::MIN_POSITIVE).sqrt());
-        let mut correlations = whole.clone();
-        for (k, mut column) in correlations.column_iter_mut().enumerate() {
-            column.component_div_assign(&scales);
-            column /= scales[k];
-            column[k] = 1.0 + 1e-9;
-        }
+        let size = whole.nrows();
+        let correlations = Mat::from_fn(size, size, |i, j| {
+            if i == j { 1.0 + 1e-9 } else { whole[(i, j)] / (scales[i] * scales[j]) }
+        });
         if whole.diagonal().iter().all(|variance| *variance >= 0.0)
-            && Cholesky::new(correlations).is_some()
+            && correlations.llt(Side::Lower).is_ok()
         {
             return Ok(whole);
         }
