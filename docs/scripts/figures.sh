@@ -5,11 +5,12 @@
 #
 # The guide names them: figures/SCENARIO/FILE.svg is FILE.svg of `loc-sim run SCENARIO`, and
 # figures/SCENARIO_METHOD_../FILE.svg that of `loc-sim run SCENARIO --method METHOD ..`; the method
-# `smooth` stands for the option of that name. figures/study/ is the study that study.md shows. Figures that no page shows are removed.
+# `smooth` stands for the option of that name. figures/study/ is the study that study.md shows.
+# Figures that no page shows are removed.
 set -euo pipefail
+loc_sim=${1:+$(realpath "$1")}
 cd "$(dirname "$0")/.."
 
-loc_sim=${1:-}
 if [ -z "$loc_sim" ]; then
   cargo build --release --quiet --locked -p loc-sim
   loc_sim=${CARGO_TARGET_DIR:-../target}/release/loc-sim
