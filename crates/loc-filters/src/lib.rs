@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod angles;
 pub mod association;
 pub mod delayed;
 mod error;

@@ -22,7 +22,7 @@ use crate::extended::{ExtendedKalmanFilter, MeasurementModel, MotionModel};
 use crate::smoother::{Link, Recordable};
 use crate::unscented::UnscentedKalmanFilter;
 use crate::{Gate, Innovation, Result};
-use loc_core::{Gaussian, angle};
+use loc_core::Gaussian;
 use nalgebra::SVector;
 
 /// A filter of systems that are not linear, on the models of [`extended`](crate::extended).
@@ -110,16 +110,3 @@ nonlinear_filter!(ExtendedKalmanFilter, bends: false, |self, motion| {
 nonlinear_filter!(UnscentedKalmanFilter, bends: true, |self, motion| {
     Ok(self.follow(motion)?.link())
 });
-
-/// A state whose angles are in (-pi, pi]; indices beyond the state are passed over.
-pub(crate) fn wrapped<const N: usize>(
-    mut state: SVector<f64, N>,
-    angles: &[usize],
-) -> SVector<f64, N> {
-    for &index in angles {
-        if let Some(value) = state.get_mut(index) {
-            *value = angle::wrap(*value);
-        }
-    }
-    state
-}

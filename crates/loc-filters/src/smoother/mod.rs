@@ -31,13 +31,15 @@
 
 mod chain;
 mod gain;
+mod link;
 mod recorded;
 
-pub use recorded::{Recordable, Recorded};
+pub use link::{Link, Recordable};
+pub use recorded::Recorded;
 
+use crate::angles::wrapped;
 use crate::extended::LinearizedMotion;
 use crate::kalman::update::propagate;
-use crate::nonlinear::wrapped;
 use crate::{Error, Result};
 use chain::Chain;
 use loc_core::Gaussian;
@@ -68,27 +70,6 @@ struct Step<const N: usize> {
     /// The belief that it led to, before any correction.
     predicted: Gaussian<N>,
     link: Link<N>,
-}
-
-/// How the state before a prediction and the one after it hang together.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Link<const N: usize> {
-    /// By a tangent: the state after is `F x` and noise.
-    Tangent {
-        /// F.
-        jacobian: SMatrix<f64, N, N>,
-        /// Its covariance.
-        noise: SMatrix<f64, N, N>,
-    },
-    /// By sigma points: `x = mean + L u` before, `A u` and noise after, with u of covariance 1.
-    Points {
-        /// L, with `L L^T` the covariance before.
-        root: SMatrix<f64, N, N>,
-        /// A.
-        slopes: SMatrix<f64, N, N>,
-        /// The noise of the motion, and what the points leave over from a line.
-        noise: SMatrix<f64, N, N>,
-    },
 }
 
 impl<const N: usize> Smoother<N> {

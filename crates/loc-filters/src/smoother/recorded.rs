@@ -1,7 +1,6 @@
 //! Filters that keep their past.
 
-use super::Link;
-use super::Smoother;
+use super::{Link, Recordable, Smoother};
 use crate::kalman::{LinearMeasurement, LinearMotion};
 use crate::{
     Gate, Innovation, KalmanFilter, MeasurementModel, MotionModel, NonlinearFilter, Result,
@@ -16,14 +15,6 @@ use nalgebra::SVector;
 pub struct Recorded<F, const N: usize> {
     filter: F,
     past: Smoother<N>,
-}
-
-/// A filter that [`Recorded`] can keep the past of.
-pub trait Recordable<const N: usize> {
-    /// What the filter believes now.
-    fn belief(&self) -> &Gaussian<N>;
-    /// The states that are angles.
-    fn angles(&self) -> &'static [usize];
 }
 
 impl<const N: usize> Recordable<N> for KalmanFilter<N> {

@@ -34,10 +34,10 @@
 
 mod points;
 
+use crate::angles::wrapped;
 use crate::extended::{MeasurementModel, MotionModel};
 use crate::innovation::{Gate, Innovation, finite};
 use crate::kalman::update;
-use crate::nonlinear::wrapped;
 use crate::smoother::Link;
 use crate::{Error, Result};
 use loc_core::Gaussian;
