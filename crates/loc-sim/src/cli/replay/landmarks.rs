@@ -20,7 +20,6 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
         ("--reference", args.reference.is_some()),
     ];
     refuse(&given, "one of landmarks")?;
-    args.ros.refuse_unless(format)?;
     let changes = &args.output.changes;
     let parse = |text| RecordingConfig::parse("settings for landmarks", text, changes);
     let config = match &args.config {

@@ -62,7 +62,6 @@ fn source(
         Format::Wean => WeanLog::open(log)?.laser_log()?,
         _ => CarmenLog::open(log)?.laser_log()?,
     };
-    args.ros.refuse_unless(format)?;
     let source = LaserRecording::new(log, options)?;
     let known = source.start_is_known();
     Ok((Box::new(source), known))

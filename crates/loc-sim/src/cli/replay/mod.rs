@@ -105,6 +105,7 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let Some(log) = log else { return print_config(args) };
     let begin = Instant::now();
     let format = args.format.map_or_else(|| format::guess(log), Ok)?;
+    args.ros.refuse_unless(format)?;
     let mut replay = match format {
         Format::Mrclam => mrclam::prepare(args, log)?,
         Format::UwbLabyrinth | Format::Plaza => ranging::prepare(args, log, format)?,

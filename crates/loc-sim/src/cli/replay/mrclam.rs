@@ -1,6 +1,6 @@
 //! Replays of MRCLAM recordings.
 
-use super::{Format, Replay, ReplayArgs, SEED, refuse};
+use super::{Replay, ReplayArgs, SEED, refuse};
 use crate::localizer::{Method, MethodSettings};
 use crate::scenario::{RecordingConfig, recording};
 use crate::source::laser_log::Scans;
@@ -17,7 +17,6 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path) -> anyhow::Result<Replay> {
         ("--reference", args.reference.is_some()),
     ];
     refuse(&given, "one of MRCLAM")?;
-    args.ros.refuse_unless(Format::Mrclam)?;
     let changes = &args.output.changes;
     let config = match &args.config {
         Some(file) => RecordingConfig::read(file, changes)?,

@@ -153,6 +153,10 @@ fn what_does_not_fit_is_refused_in_one_line() {
         ),
         (vec!["none.log"], "none.log: "),
         (
+            vec!["hall.log", "--format", "plaza", "--odom-delay", "0.1"],
+            "--odom-delay: expected a bag of ROS, got another recording",
+        ),
+        (
             vec!["hall.log", "--format", "mrclam", "--kidnap", "3"],
             "--kidnap: expected a recording with a laser, got one of MRCLAM",
         ),
