@@ -8,7 +8,7 @@ use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, Par};
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::slam::{EkfSlam, Jacobians, SlamSettings};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{DMatrix, DVector, Matrix2};
 use std::hint::black_box;
 
@@ -17,11 +17,14 @@ fn place(id: u32) -> (f64, f64) {
     (2.0 * f64::from(id % 20) + 1.0, 2.0 * f64::from(id / 20) + 1.0)
 }
 
-fn see(pose: Pose2, id: u32) -> Sighting {
+fn see(pose: Pose2, id: u32) -> LandmarkObservation {
     let (x, y) = place(id);
     let (dx, dy) = (x - pose.x, y - pose.y);
     let bearing = loc_core::angle::wrap(dy.atan2(dx) - pose.theta);
-    Sighting { landmark: id, sight: Sight::RangeBearing { range: dx.hypot(dy), bearing } }
+    LandmarkObservation {
+        landmark: id,
+        sight: Observed::RangeBearing { range: dx.hypot(dy), bearing },
+    }
 }
 
 /// A filter that has driven past n landmarks, in whose covariance everything depends on
@@ -37,7 +40,7 @@ fn driven(n: u32, settings: SlamSettings) -> EkfSlam {
     slam
 }
 
-fn sightings(slam: &EkfSlam, count: u32) -> Vec<Sighting> {
+fn observations(slam: &EkfSlam, count: u32) -> Vec<LandmarkObservation> {
     let pose = slam.pose().expect("positive").pose();
     (0..count)
         .map(|k| {
@@ -45,7 +48,10 @@ fn sightings(slam: &EkfSlam, count: u32) -> Vec<Sighting> {
             let at = slam.landmark(id).expect("positive").expect("known").position.mean;
             let (dx, dy) = (at.x - pose.x, at.y - pose.y);
             let bearing = loc_core::angle::wrap(dy.atan2(dx) - pose.theta);
-            Sighting { landmark: id, sight: Sight::RangeBearing { range: dx.hypot(dy), bearing } }
+            LandmarkObservation {
+                landmark: id,
+                sight: Observed::RangeBearing { range: dx.hypot(dy), bearing },
+            }
         })
         .collect()
 }
@@ -91,16 +97,16 @@ fn checks(c: &mut Criterion) {
 }
 
 fn updates(c: &mut Criterion) {
-    let mut group = c.benchmark_group("ekf-slam/1-sighting");
+    let mut group = c.benchmark_group("ekf-slam/1-observation");
     for n in [100, 500, 1000, 2000_u32] {
         let mut slam = driven(n, SlamSettings::default());
-        let seen = sightings(&slam, 1);
+        let seen = observations(&slam, 1);
         group.bench_function(BenchmarkId::new("loc-filters", n), |bencher| {
             bencher.iter(|| slam.correct(black_box(&seen)).expect("finite"));
         });
         let textbook = SlamSettings { jacobians: Jacobians::Current, ..SlamSettings::default() };
         let mut slam = driven(n, textbook);
-        let seen = sightings(&slam, 1);
+        let seen = observations(&slam, 1);
         group.bench_function(BenchmarkId::new("loc-filters, textbook", n), |bencher| {
             bencher.iter(|| slam.correct(black_box(&seen)).expect("finite"));
         });
@@ -132,9 +138,9 @@ fn updates(c: &mut Criterion) {
     }
     group.finish();
 
-    let mut group = c.benchmark_group("ekf-slam/8-sightings");
+    let mut group = c.benchmark_group("ekf-slam/8-observations");
     let mut slam = driven(1000, SlamSettings::default());
-    let seen = sightings(&slam, 8);
+    let seen = observations(&slam, 8);
     group.bench_function("one pass", |bencher| {
         bencher.iter(|| slam.correct(black_box(&seen)).expect("finite"));
     });
@@ -178,10 +184,10 @@ fn submap(c: &mut Criterion) {
         ..SlamSettings::default()
     };
     let mut slam = driven(2000, settings);
-    let seen = sightings(&slam, 20);
+    let seen = observations(&slam, 20);
     slam.correct(&seen).expect("finite");
     let mut forward = 1.0;
-    group.bench_function("motion and 1 sighting", |bencher| {
+    group.bench_function("motion and 1 observation", |bencher| {
         bencher.iter(|| {
             forward = -forward;
             slam.predict(black_box(Twist2::forward(0.01 * forward, 0.0)), 0.1).expect("finite");

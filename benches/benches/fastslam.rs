@@ -1,23 +1,23 @@
-//! One step of FastSLAM 2.0, a motion and three sightings, against the number of particles and of
-//! landmarks. Landmarks lie in a tree of each particle, of which a sighting copies one path.
+//! One step of FastSLAM 2.0, a motion and three observations, against the number of particles and of
+//! landmarks. Landmarks lie in a tree of each particle, of which an observation copies one path.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_pf::fastslam::{FastSlam, FastSlamSettings};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use std::hint::black_box;
 
 /// Landmarks on rings around the robot.
-fn see(landmark: u32) -> Sighting {
+fn see(landmark: u32) -> LandmarkObservation {
     let (range, bearing) = (2.0 + 0.01 * f64::from(landmark), f64::from(landmark % 628) * 0.01);
     let bearing = loc_core::angle::wrap(bearing);
-    Sighting { landmark, sight: Sight::RangeBearing { range, bearing } }
+    LandmarkObservation { landmark, sight: Observed::RangeBearing { range, bearing } }
 }
 
 fn steps(c: &mut Criterion) {
-    let mut group = c.benchmark_group("fastslam/motion and 3 sightings");
+    let mut group = c.benchmark_group("fastslam/motion and 3 observations");
     for (particles, landmarks) in [(100, 100), (1000, 100), (100, 1000_u32), (1000, 1000)] {
         let settings = FastSlamSettings { particles, ..FastSlamSettings::default() };
         let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
@@ -28,7 +28,7 @@ fn steps(c: &mut Criterion) {
         let name = BenchmarkId::new(format!("{particles} particles"), landmarks);
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
-                // There and back, so that the sightings fit.
+                // There and back, so that the observations fit.
                 forward = -forward;
                 slam.predict(Twist2::forward(0.01 * forward, 0.0), 0.1).expect("finite");
                 slam.correct(black_box(&seen)).expect("finite")

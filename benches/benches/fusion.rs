@@ -11,7 +11,7 @@ use loc_filters::{ExtendedKalmanFilter, NonlinearFilter, UnscentedKalmanFilter};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::compass::CompassReading;
 use loc_sensors::imu::ImuReading;
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use std::hint::black_box;
 
@@ -35,8 +35,8 @@ fn second<F: NonlinearFilter<STATES>>(robot: &mut FusedLocalizer<F>, start: f64)
         let x = SPEED * stamp;
         if k % 20 == 8 {
             let range = (BEACON.0 - x).hypot(BEACON.1);
-            let sighting = Sighting { landmark: 1, sight: Sight::Range { range } };
-            robot.sightings(stamp, &[black_box(sighting)]).expect("in order");
+            let observation = LandmarkObservation { landmark: 1, sight: Observed::Range { range } };
+            robot.observations(stamp, &[black_box(observation)]).expect("in order");
         }
         if k == 50 {
             let fix = Gaussian { mean: Vector2::new(x, 0.0), covariance: Matrix2::identity() };

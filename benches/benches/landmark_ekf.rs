@@ -11,28 +11,33 @@ use loc_filters::landmark::{
     LandmarkEkf, LandmarkFilter, LandmarkSettings, LandmarkSmoother, LandmarkUkf,
 };
 use loc_maps::{Landmark, LandmarkMap};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 use std::hint::black_box;
 
 const DT: f64 = 0.1;
 const TWIST: Twist2 = Twist2 { vx: 0.0, vy: 0.0, omega: 0.1 };
 
-fn world() -> (LandmarkMap, Vec<Sighting>) {
+fn world() -> (LandmarkMap, Vec<LandmarkObservation>) {
     let places = [(4.0, 0.0), (3.0, 3.0), (0.0, 5.0), (-4.0, 1.0), (-2.0, -3.0), (2.0, -4.0)];
     let landmarks = (1..).zip(places).map(|(id, (x, y))| Landmark::planar(id, x, y));
     let map = LandmarkMap::new(landmarks).expect("valid");
     let see = |landmark: &Landmark| {
         let (x, y) = (landmark.position.x, landmark.position.y);
-        let sight = Sight::RangeBearing { range: x.hypot(y), bearing: y.atan2(x) };
-        Sighting { landmark: landmark.id, sight }
+        let sight = Observed::RangeBearing { range: x.hypot(y), bearing: y.atan2(x) };
+        LandmarkObservation { landmark: landmark.id, sight }
     };
-    let sightings = map.iter().map(see).collect();
-    (map, sightings)
+    let observations = map.iter().map(see).collect();
+    (map, observations)
 }
 
 /// Euler motion and six corrections with plain formulas (H1, H2): no checks, no gate.
-fn bare(belief: &mut Gaussian<3>, map: &LandmarkMap, sightings: &[Sighting], noise: &[f64; 5]) {
+fn bare(
+    belief: &mut Gaussian<3>,
+    map: &LandmarkMap,
+    observations: &[LandmarkObservation],
+    noise: &[f64; 5],
+) {
     let [k_d, k_theta, k_drift, q_r, q_phi] = *noise;
     let (sin, cos) = belief.mean.z.sin_cos();
     let d = TWIST.vx * DT;
@@ -43,9 +48,9 @@ fn bare(belief: &mut Gaussian<3>, map: &LandmarkMap, sightings: &[Sighting], noi
     let mut x = belief.mean + Vector3::new(d * cos, d * sin, TWIST.omega * DT);
     let mut p = g * belief.covariance * g.transpose() + v * u * v.transpose();
     let q = Matrix2::new(q_r, 0.0, 0.0, q_phi);
-    for sighting in sightings {
-        let Sight::RangeBearing { range, bearing } = sighting.sight else { continue };
-        let Some(landmark) = map.get(sighting.landmark) else { continue };
+    for observation in observations {
+        let Observed::RangeBearing { range, bearing } = observation.sight else { continue };
+        let Some(landmark) = map.get(observation.landmark) else { continue };
         let (dx, dy) = (landmark.position.x - x.x, landmark.position.y - x.y);
         let r = dx.hypot(dy);
         let h = Matrix2x3::new(-dx / r, -dy / r, 0.0, dy / (r * r), -dx / (r * r), -1.0);
@@ -60,28 +65,28 @@ fn bare(belief: &mut Gaussian<3>, map: &LandmarkMap, sightings: &[Sighting], noi
 fn one<F: NonlinearFilter<3>>(
     mut filter: LandmarkFilter<F>,
     map: &LandmarkMap,
-    sightings: &[Sighting],
+    observations: &[LandmarkObservation],
 ) -> LandmarkFilter<F> {
     filter.predict(black_box(TWIST), DT).expect("finite");
-    for sighting in sightings {
-        filter.correct(map, black_box(sighting)).expect("finite");
+    for observation in observations {
+        filter.correct(map, black_box(observation)).expect("finite");
     }
     filter
 }
 
 fn step(c: &mut Criterion) {
-    let (map, sightings) = world();
+    let (map, observations) = world();
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
     let settings = LandmarkSettings { gate_probability: 1.0, ..LandmarkSettings::default() };
-    let mut group = c.benchmark_group("landmark-ekf/6-sightings");
+    let mut group = c.benchmark_group("landmark-ekf/6-observations");
 
     let filter = LandmarkEkf::new(start, settings).expect("valid");
     group.bench_function("loc-filters", |bencher| {
-        bencher.iter(|| one(black_box(filter), &map, &sightings));
+        bencher.iter(|| one(black_box(filter), &map, &observations));
     });
     let filter = LandmarkUkf::new(start, settings).expect("valid");
     group.bench_function("loc-filters, unscented", |bencher| {
-        bencher.iter(|| one(black_box(filter), &map, &sightings));
+        bencher.iter(|| one(black_box(filter), &map, &observations));
     });
     // A whole drive; Criterion divides by its steps.
     const STEPS: u32 = 1000;
@@ -93,7 +98,7 @@ fn step(c: &mut Criterion) {
             for k in 1..=STEPS {
                 let stamp = DT * f64::from(k);
                 drive.velocity(stamp, black_box(TWIST)).expect("in order");
-                drive.sightings(stamp, black_box(&sightings)).expect("in order");
+                drive.observations(stamp, black_box(&observations)).expect("in order");
                 drive.mark(stamp).expect("in order");
             }
             drive.smooth().expect("finite")
@@ -101,12 +106,13 @@ fn step(c: &mut Criterion) {
     });
     group.throughput(Throughput::Elements(1));
     let motion = settings.motion_noise;
-    let (q_r, q_phi) = (settings.sight_noise.range_sigma, settings.sight_noise.bearing_sigma);
+    let (q_r, q_phi) =
+        (settings.observation_noise.range_sigma, settings.observation_noise.bearing_sigma);
     let noise = [motion.k_d, motion.k_theta, motion.k_drift, q_r * q_r, q_phi * q_phi];
     group.bench_function("bare nalgebra", |bencher| {
         bencher.iter(|| {
             let mut belief = black_box(start);
-            bare(&mut belief, &map, black_box(&sightings), &noise);
+            bare(&mut belief, &map, black_box(&observations), &noise);
             belief
         });
     });

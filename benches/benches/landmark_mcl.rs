@@ -1,7 +1,7 @@
 //! The particle filter with landmarks: 10000 particles, six landmarks by distance and direction.
 //! The weighing alone, beside the plain form in double precision; the whole step of motion,
 //! weighing, normalising and systematic resampling; and the step of `LandmarkMcl`, which draws the
-//! motion of all velocities at once, keeps the past for late inputs and watches how sightings fit.
+//! motion of all velocities at once, keeps the past for late inputs and watches how observations fit.
 #![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -12,14 +12,14 @@ use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_pf::motion::VelocityStep;
-use loc_pf::sensor::landmark::{LandmarkLikelihood, SightModel};
+use loc_pf::sensor::landmark::{LandmarkLikelihood, ObservationModel};
 use loc_pf::{LandmarkMcl, LandmarkMclSettings, ParticleFilter, Particles, Resampling};
-use loc_sensors::landmark_camera::{LandmarkNoise, Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
 use std::hint::black_box;
 
 const PARTICLES: usize = 10_000;
 const DT: f64 = 0.1;
-/// Turning on the spot, so that the sightings fit at every step.
+/// Turning on the spot, so that the observations fit at every step.
 const TWIST: Twist2 = Twist2 { vx: 0.0, vy: 0.0, omega: 0.1 };
 const NOISE: LandmarkNoise =
     LandmarkNoise { range_sigma: 0.1, range_sigma_per_m: 0.0, bearing_sigma: 0.05 };
@@ -31,18 +31,18 @@ fn map() -> LandmarkMap {
 }
 
 /// What a robot at the origin sees without error at a heading \[rad\].
-fn sightings(map: &LandmarkMap, heading: f64) -> Vec<Sighting> {
+fn observations(map: &LandmarkMap, heading: f64) -> Vec<LandmarkObservation> {
     let see = |landmark: &Landmark| {
         let (x, y) = (landmark.position.x, landmark.position.y);
         let bearing = angle::wrap(y.atan2(x) - heading);
-        let sight = Sight::RangeBearing { range: x.hypot(y), bearing };
-        Sighting { landmark: landmark.id, sight }
+        let sight = Observed::RangeBearing { range: x.hypot(y), bearing };
+        LandmarkObservation { landmark: landmark.id, sight }
     };
     map.iter().map(see).collect()
 }
 
-fn model(outlier_share: f64) -> SightModel {
-    SightModel { noise: NOISE, outlier_share, ..SightModel::default() }
+fn model(outlier_share: f64) -> ObservationModel {
+    ObservationModel { noise: NOISE, outlier_share, ..ObservationModel::default() }
 }
 
 fn cloud(rng: &mut ChaCha8Rng) -> Particles {
@@ -52,7 +52,7 @@ fn cloud(rng: &mut ChaCha8Rng) -> Particles {
 fn weigh(c: &mut Criterion) {
     let mut group = c.benchmark_group("landmark-mcl/weigh 10000 x 6");
     let (map, mut rng) = (map(), stream(1, "bench"));
-    let seen = sightings(&map, 0.0);
+    let seen = observations(&map, 0.0);
     for (name, share) in [("normal", 0.0), ("with outliers", 0.01)] {
         let likelihood = LandmarkLikelihood::new(&map, &seen, &model(share)).expect("valid");
         let start = cloud(&mut rng);
@@ -85,7 +85,7 @@ fn step(c: &mut Criterion) {
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 heading += TWIST.omega * DT;
-                let seen = sightings(&map, heading);
+                let seen = observations(&map, heading);
                 filter.predict(black_box(&motion));
                 let seen = LandmarkLikelihood::new(&map, &seen, &model(share)).expect("valid");
                 filter.weigh(&seen);
@@ -106,9 +106,9 @@ fn step(c: &mut Criterion) {
     group.bench_function("LandmarkMcl", |bencher| {
         bencher.iter(|| {
             stamp += DT;
-            let seen = sightings(&map, TWIST.omega * stamp);
+            let seen = observations(&map, TWIST.omega * stamp);
             mcl.velocity(stamp - DT, TWIST).expect("in time");
-            mcl.sightings(stamp, black_box(&seen)).expect("in time")
+            mcl.observations(stamp, black_box(&seen)).expect("in time")
         });
     });
     group.finish();

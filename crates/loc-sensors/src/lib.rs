@@ -3,6 +3,7 @@
 mod check;
 pub mod compass;
 pub mod encoder;
+pub mod event;
 pub mod features;
 pub mod gnss;
 pub mod imu;

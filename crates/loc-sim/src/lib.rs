@@ -6,7 +6,6 @@ mod config;
 pub mod convert;
 pub mod demonstration;
 pub mod error;
-pub mod event;
 pub mod localizer;
 pub mod metrics;
 pub mod nav2;

@@ -1,7 +1,7 @@
 //! Where the odometry of a recording is, whether it tells poses or velocities.
 
-use crate::event::Control;
 use loc_core::{Pose2, Twist2};
+use loc_sensors::event::Control;
 
 /// Where the odometry is.
 #[derive(Debug, Clone, Default)]

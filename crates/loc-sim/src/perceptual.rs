@@ -40,12 +40,12 @@ pub struct LearnSettings {
     /// Width of the histogram's bins \[m\].
     pub bin: f64,
     /// The fit looks at no more than about this many pairs, evenly spread; the histogram at all.
-    pub most_fitted: usize,
+    pub max_fitted: usize,
 }
 
 impl Default for LearnSettings {
     fn default() -> Self {
-        LearnSettings { start: BeamModelSettings::default(), bin: 0.1, most_fitted: 200_000 }
+        LearnSettings { start: BeamModelSettings::default(), bin: 0.1, max_fitted: 200_000 }
     }
 }
 
@@ -115,7 +115,7 @@ pub fn learn(
         used += 1;
     }
     pairs.iter().for_each(|pair| histogram.add(*pair));
-    let step = pairs.len().div_ceil(settings.most_fitted.max(1)).max(1);
+    let step = pairs.len().div_ceil(settings.max_fitted.max(1)).max(1);
     // A step that does not divide the number of beams, so that all directions have their turn.
     let step = if step > 1 { step | 1 } else { 1 };
     let fitted: Vec<RangePair> = pairs.iter().step_by(step).copied().collect();

@@ -1,12 +1,12 @@
 //! Runs several methods side by side over one stream of events.
 
-use crate::event::{Event, Measurement, Payload, Truth};
 use crate::localizer::{Judgement, Localizer, Method, MethodSettings, smoothed};
 use crate::metrics::BeamFit;
 use crate::record::{LineMoments, MethodRecord, Run, Snapshots};
 use crate::source::{Setup, Source};
 use crate::{Error, Result};
 use loc_core::{Pose2, Stamped};
+use loc_sensors::event::{Event, Measurement, Payload, Truth};
 use loc_sensors::laser::LaserScan;
 use std::sync::Arc;
 use std::time::Instant;

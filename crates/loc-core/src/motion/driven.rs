@@ -49,9 +49,9 @@ pub struct PathNoise {
     pub pivot: f64,
     /// Standard deviation of the position that every update has, however short its way \[m\]: it
     /// keeps particles apart, and a filter from being sure of what it cannot know.
-    pub least_position: f64,
+    pub min_position: f64,
     /// The same for the heading \[rad\].
-    pub least_heading: f64,
+    pub min_heading: f64,
     /// Probability that odometry fails in a step: slip, a push, a wrong count.
     pub fault_probability: f64,
 }
@@ -64,8 +64,8 @@ impl Default for PathNoise {
             drift: 3_f64.to_radians(),
             turn: 5_f64.to_radians(),
             pivot: 0.05,
-            least_position: 0.005,
-            least_heading: 0.2_f64.to_radians(),
+            min_position: 0.005,
+            min_heading: 0.2_f64.to_radians(),
             fault_probability: 0.1,
         }
     }
@@ -82,8 +82,8 @@ impl PathNoise {
         non_negative("drift of the heading [rad]", self.drift)?;
         non_negative("noise of turning [rad]", self.turn)?;
         non_negative("noise of the pivot [m]", self.pivot)?;
-        non_negative("least noise of the position [m]", self.least_position)?;
-        non_negative("least noise of the heading [rad]", self.least_heading)?;
+        non_negative("least noise of the position [m]", self.min_position)?;
+        non_negative("least noise of the heading [rad]", self.min_heading)?;
         probability("probability of an odometry fault", self.fault_probability)?;
         Ok(())
     }

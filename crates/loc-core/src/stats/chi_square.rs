@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 
 /// More degrees of freedom than this no evaluation has, and the series of the distribution lose
 /// their digits.
-const MOST_FREEDOM: usize = 100_000_000;
+const MAX_FREEDOM: usize = 100_000_000;
 
 /// P(X <= x) of the chi-square distribution with `dof` degrees of freedom; `1 - cdf` is the
 /// p-value of a squared Mahalanobis distance `x`.
@@ -56,11 +56,11 @@ pub fn chi_square_band(dof: usize, runs: usize, confidence: f64) -> Result<Range
 }
 
 /// Where the mean per degree of freedom of values with `freedom` degrees together lies with
-/// probability `confidence`. Beyond [`MOST_FREEDOM`] the normal distribution takes over, from which
+/// probability `confidence`. Beyond [`MAX_FREEDOM`] the normal distribution takes over, from which
 /// it cannot be told there. `None` without any.
 pub(super) fn mean_band(freedom: u64, confidence: f64) -> Option<RangeInclusive<f64>> {
     let count = usize::try_from(freedom).ok().filter(|count| *count > 0)?;
-    if count <= MOST_FREEDOM {
+    if count <= MAX_FREEDOM {
         return chi_square_band(1, count, confidence).ok();
     }
     let z = Normal::STANDARD.quantile(0.5 + 0.5 * check_confidence(confidence).ok()?).ok()?;
@@ -95,7 +95,7 @@ fn distribution(dof: usize) -> Result<ChiSquared> {
         expected: "1 to 10^8",
         found: dof as f64,
     };
-    if !(1..=MOST_FREEDOM).contains(&dof) {
+    if !(1..=MAX_FREEDOM).contains(&dof) {
         return Err(refused());
     }
     ChiSquared::new(dof as f64).map_err(|_| refused())

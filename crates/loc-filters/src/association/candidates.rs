@@ -4,7 +4,7 @@ use super::{PairInnovation, Pairing};
 use crate::innovation::finite;
 use crate::{Gate, Innovation, Result};
 
-/// A landmark that a sighting may be of.
+/// A landmark that an observation may be of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Fit {
     pub(super) landmark: usize,
@@ -17,11 +17,11 @@ pub(super) struct Fit {
 /// How much smaller a rival's covariance may be, in logarithms of the determinant.
 pub(super) const SLACK: f64 = 4.0;
 
-/// For each sighting the landmarks that it may be of, nearest first.
+/// For each observation the landmarks that it may be of, nearest first.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Candidates {
     pub(super) fits: Vec<Vec<Fit>>,
-    /// NIS of each sighting with the landmark nearest to it, inside the gate or not.
+    /// NIS of each observation with the landmark nearest to it, inside the gate or not.
     pub(super) nearest: Vec<f64>,
     pub(super) landmarks: usize,
 }
@@ -35,19 +35,19 @@ impl Candidates {
         lead: f64,
     ) -> Result<Self> {
         let wide = if lead > 0.0 { gate.threshold(M) + 2.0 * lead + SLACK } else { 0.0 };
-        let (sightings, landmarks) = (pairing.sightings(), pairing.landmarks());
+        let (observations, landmarks) = (pairing.observations(), pairing.landmarks());
         let mut candidates = Candidates {
-            fits: vec![Vec::new(); sightings],
-            nearest: vec![f64::INFINITY; sightings],
+            fits: vec![Vec::new(); observations],
+            nearest: vec![f64::INFINITY; observations],
             landmarks,
         };
-        for sighting in 0..sightings {
+        for observation in 0..observations {
             for landmark in 0..landmarks {
-                if let Some(pair) = pairing.innovation(sighting, landmark) {
-                    candidates.judge((sighting, landmark), &pair, gate, wide)?;
+                if let Some(pair) = pairing.innovation(observation, landmark) {
+                    candidates.judge((observation, landmark), &pair, gate, wide)?;
                 }
             }
-            candidates.fits[sighting]
+            candidates.fits[observation]
                 .sort_by(|a, b| a.nis.total_cmp(&b.nis).then(a.landmark.cmp(&b.landmark)));
         }
         Ok(candidates)
@@ -55,18 +55,18 @@ impl Candidates {
 
     fn judge<const M: usize>(
         &mut self,
-        (sighting, landmark): (usize, usize),
+        (observation, landmark): (usize, usize),
         pair: &PairInnovation<M>,
         gate: &Gate,
         wide: f64,
     ) -> Result<()> {
-        finite("residual of a sighting", &pair.residual)?;
+        finite("residual of an observation", &pair.residual)?;
         let (innovation, _) = Innovation::new(pair.residual, pair.covariance, gate)?;
-        self.nearest[sighting] = self.nearest[sighting].min(innovation.nis);
+        self.nearest[observation] = self.nearest[observation].min(innovation.nis);
         let (nis, compatible) = (innovation.nis, innovation.accepted);
         if compatible || nis <= wide {
             let log_likelihood = innovation.log_likelihood();
-            self.fits[sighting].push(Fit { landmark, nis, log_likelihood, compatible });
+            self.fits[observation].push(Fit { landmark, nis, log_likelihood, compatible });
         }
         Ok(())
     }

@@ -2,19 +2,19 @@
 //!
 //! A camera that reads numbers off its landmarks is a luxury. Trees, table legs and walls look
 //! alike, and a filter has to decide itself which of those it knows was seen. Each pair of a
-//! sighting and a landmark has an innovation: how far the two are apart, and how far they may be.
+//! observation and a landmark has an innovation: how far the two are apart, and how far they may be.
 //! A [`Pairing`] computes it; the rules here only compare:
 //!
-//! * [`Rule::NearestNeighbor`] takes the pairs in order of their distance (NIS), each sighting and
+//! * [`Rule::NearestNeighbor`] takes the pairs in order of their distance (NIS), each observation and
 //!   each landmark once;
 //! * [`Rule::MaximumLikelihood`] takes them in order of their likelihood, so that of two landmarks
 //!   at the same distance the one that is known better wins;
 //! * [`Rule::JointCompatibility`] looks for the largest set of pairs that fit *together*. A robot
 //!   that is off by half a metre sees all landmarks displaced alike, and only this rule knows.
 //!
-//! A wrong pair does more harm than a missing one. So all three leave a sighting out where another
+//! A wrong pair does more harm than a missing one. So all three leave an observation out where another
 //! landmark, or something that is not in the map, explains it about as well
-//! ([`AssociationSettings::least_ratio`], [`Pairing::elsewhere`]).
+//! ([`AssociationSettings::min_ratio`], [`Pairing::elsewhere`]).
 //!
 //! Line maps, landmark maps and SLAM use the same rules through their own [`Pairing`].
 //!
@@ -25,10 +25,10 @@
 //! /// Places on a line, measured to 0.1; the robot that measures may itself be off by 1.
 //! struct OnALine { seen: [f64; 2], known: [f64; 3] }
 //! impl Pairing<1> for OnALine {
-//!     fn sightings(&self) -> usize { self.seen.len() }
+//!     fn observations(&self) -> usize { self.seen.len() }
 //!     fn landmarks(&self) -> usize { self.known.len() }
-//!     fn innovation(&self, sighting: usize, landmark: usize) -> Option<PairInnovation<1>> {
-//!         let residual = Vector1::new(self.seen[sighting] - self.known[landmark]);
+//!     fn innovation(&self, observation: usize, landmark: usize) -> Option<PairInnovation<1>> {
+//!         let residual = Vector1::new(self.seen[observation] - self.known[landmark]);
 //!         Some(PairInnovation { residual, covariance: Matrix1::new(1.01) })
 //!     }
 //!     fn cross_covariance(&self, _: (usize, usize), _: (usize, usize)) -> Matrix1<f64> {
@@ -38,7 +38,7 @@
 //!
 //! // Both are seen 0.9 too far to the right, so that the nearest landmark is the wrong one.
 //! let line = OnALine { seen: [0.9, 2.4], known: [0.0, 1.5, 3.1] };
-//! let trusting = AssociationSettings { least_ratio: 1.0, ..AssociationSettings::default() };
+//! let trusting = AssociationSettings { min_ratio: 1.0, ..AssociationSettings::default() };
 //! let by = |rule| Associator::new(AssociationSettings { rule, ..trusting });
 //! let nearest = by(Rule::NearestNeighbor)?.associate(&line)?;
 //! assert_eq!(nearest.partners, [Some(1), Some(2)]);
@@ -58,7 +58,7 @@ use crate::{Gate, Result};
 use candidates::Candidates;
 use nalgebra::{SMatrix, SVector};
 
-/// The innovation of one sighting with one landmark.
+/// The innovation of one observation with one landmark.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairInnovation<const M: usize> {
     /// What was seen minus what was expected of this landmark, angles wrapped.
@@ -67,52 +67,52 @@ pub struct PairInnovation<const M: usize> {
     pub covariance: SMatrix<f64, M, M>,
 }
 
-/// How well a sighting fits a landmark, for sightings of `M` numbers.
+/// How well an observation fits a landmark, for observations of `M` numbers.
 pub trait Pairing<const M: usize> {
-    /// Number of sightings.
-    fn sightings(&self) -> usize;
+    /// Number of observations.
+    fn observations(&self) -> usize;
 
     /// Number of landmarks.
     fn landmarks(&self) -> usize;
 
-    /// The innovation, were the sighting one of this landmark; `None` where that is out of the
+    /// The innovation, were the observation one of this landmark; `None` where that is out of the
     /// question, which a pairing that has a cheap test says without computing more.
-    fn innovation(&self, sighting: usize, landmark: usize) -> Option<PairInnovation<M>>;
+    fn innovation(&self, observation: usize, landmark: usize) -> Option<PairInnovation<M>>;
 
-    /// Density of sightings like this one, per unit of its `M` numbers, were it not of any landmark
+    /// Density of observations like this one, per unit of its `M` numbers, were it not of any landmark
     /// here: where the camera sees all around, one over what it sees. A pair must then be
-    /// likelier than that by [`AssociationSettings::least_ratio`]. 0 where everything that can be
+    /// likelier than that by [`AssociationSettings::min_ratio`]. 0 where everything that can be
     /// seen is known.
     fn elsewhere(&self, _sighting: usize) -> f64 {
         0.0
     }
 
-    /// Covariance between the innovations of two pairs (sighting, landmark) of different
-    /// sightings, `H_a P H_b^T`, M x M. Zero unless both depend on the same unknown, such as the
+    /// Covariance between the innovations of two pairs (observation, landmark) of different
+    /// observations, `H_a P H_b^T`, M x M. Zero unless both depend on the same unknown, such as the
     /// robot's pose; a particle filter, which knows the pose of each particle, leaves it at zero.
     fn cross_covariance(&self, _a: (usize, usize), _b: (usize, usize)) -> SMatrix<f64, M, M> {
         SMatrix::zeros()
     }
 }
 
-/// Which sighting is of which landmark.
+/// Which observation is of which landmark.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Association {
-    /// For each sighting its landmark, or `None` for one that fits none, or two about equally well.
+    /// For each observation its landmark, or `None` for one that fits none, or two about equally well.
     /// No landmark occurs twice.
     pub partners: Vec<Option<usize>>,
-    /// For each sighting the NIS with the landmark that fits it best on its own, whoever got that
-    /// landmark; infinite where the pairing rules all of them out. It tells a sighting of
+    /// For each observation the NIS with the landmark that fits it best on its own, whoever got that
+    /// landmark; infinite where the pairing rules all of them out. It tells an observation of
     /// something new from one that came off second best.
     pub nearest: Vec<f64>,
     /// Whether the search was finished. One that ran into its limit returns the best set it has
-    /// seen, which is never worse than taking the sightings in turn, each with its nearest
+    /// seen, which is never worse than taking the observations in turn, each with its nearest
     /// landmark that fits those before.
     pub complete: bool,
 }
 
 impl Association {
-    /// Number of sightings that have a landmark.
+    /// Number of observations that have a landmark.
     pub fn matched(&self) -> usize {
         self.partners.iter().flatten().count()
     }
@@ -137,7 +137,7 @@ impl Associator {
         loc_core::error::in_range(
             "least ratio of two likelihoods",
             ">= 1",
-            settings.least_ratio,
+            settings.min_ratio,
             |r| r.is_finite() && r >= 1.0,
         )?;
         Ok(Associator { settings, gate, joint })
@@ -148,7 +148,7 @@ impl Associator {
         &self.settings
     }
 
-    /// Matches sightings with landmarks. Any number of either is fine, none included.
+    /// Matches observations with landmarks. Any number of either is fine, none included.
     ///
     /// # Errors
     /// [`crate::Error::NotFinite`] for a residual, [`loc_core::Error::NotACovariance`] for a
@@ -163,7 +163,7 @@ impl Associator {
         pairing: &impl Pairing<M>,
         budget: &mut usize,
     ) -> Result<Association> {
-        let lead = self.settings.least_ratio.ln();
+        let lead = self.settings.min_ratio.ln();
         let candidates = Candidates::new(pairing, &self.gate, lead)?;
         let (partners, complete) = match self.settings.rule {
             Rule::NearestNeighbor => (candidates.greedy(pairing, lead, |fit| fit.nis), true),

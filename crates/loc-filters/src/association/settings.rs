@@ -1,6 +1,6 @@
 //! The settings of data association.
 
-/// How sightings are matched with landmarks.
+/// How observations are matched with landmarks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -24,15 +24,15 @@ pub struct AssociationSettings {
     /// Share of right pairs (and of right sets of pairs) that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
     /// A pair is believed only if the best set of pairs without it is that many times less likely;
-    /// 1 to believe the likelier one, however little. A sighting that two landmarks explain about
+    /// 1 to believe the likelier one, however little. An observation that two landmarks explain about
     /// equally well is better left out than given to the wrong one.
-    pub least_ratio: f64,
-    /// The most hypotheses that the joint search looks at for the sightings of one moment.
+    pub min_ratio: f64,
+    /// The most hypotheses that the joint search looks at for the observations of one moment.
     pub search_limit: usize,
 }
 
 impl AssociationSettings {
-    /// The joint search takes so many sightings together; more are taken in groups of this size,
+    /// The joint search takes so many observations together; more are taken in groups of this size,
     /// in the order in which they came, each group choosing from the landmarks that are left.
     pub const GROUP: usize = 32;
 }
@@ -42,7 +42,7 @@ impl Default for AssociationSettings {
         AssociationSettings {
             rule: Rule::JointCompatibility,
             gate_probability: 0.99,
-            least_ratio: 10.0,
+            min_ratio: 10.0,
             search_limit: 5_000,
         }
     }

@@ -1,7 +1,7 @@
 //! The filter at the stamp of its last input, with what still holds from inputs before.
 
 use super::models::{
-    CompassModel, DirectionModel, DistanceModel, InertialModel, PositionModel, SightModel,
+    CompassModel, DirectionModel, DistanceModel, InertialModel, ObservationModel, PositionModel,
     WheelModel,
 };
 use super::motion::{FusedMotion, Walked};
@@ -17,7 +17,7 @@ use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::compass::CompassReading;
 use loc_sensors::imu::ImuReading;
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Vector1, Vector2};
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// random walk reaches the pose \[s\].
 const PIECE: f64 = 0.1;
 /// More pieces than this are not worth their time.
-const MOST_PIECES: f64 = 1000.0;
+const MAX_PIECES: f64 = 1000.0;
 /// Rounding of what wheels report: 1 mm/s, 1 mrad/s.
 const WHEEL_ROUNDING: f64 = 1e-6;
 
@@ -36,7 +36,7 @@ pub(super) enum Input {
     Inertial(ImuReading),
     Compass(CompassReading),
     Position(Gaussian<2>),
-    Sightings(Vec<Sighting>),
+    LandmarkObservations(Vec<LandmarkObservation>),
     /// A time whose belief is wanted later.
     Mark,
 }
@@ -101,7 +101,7 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
     /// Drives on to a time \[s\], through every moment at which a measurement ceases to hold.
     // ANCHOR: drive-to
     pub(super) fn drive_to(&mut self, stamp: f64) -> Result<()> {
-        let longest = PIECE.max((stamp - self.stamp) / MOST_PIECES);
+        let longest = PIECE.max((stamp - self.stamp) / MAX_PIECES);
         while self.stamp < stamp {
             let known = self.wheels.holds(self.stamp);
             let turn_known = known || self.inertial.holds(self.stamp);
@@ -211,30 +211,30 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
         Ok(FusionOutcome::of(FusionSensor::Position, &innovation))
     }
 
-    fn sighting(&mut self, sighting: &Sighting) -> Result<FusionOutcome> {
-        let sensor = FusionSensor::Landmark(sighting.landmark);
-        let Some(landmark) = self.map.get(sighting.landmark) else {
+    fn observation(&mut self, observation: &LandmarkObservation) -> Result<FusionOutcome> {
+        let sensor = FusionSensor::Landmark(observation.landmark);
+        let Some(landmark) = self.map.get(observation.landmark) else {
             return Ok(FusionOutcome::refused(sensor));
         };
-        let FusionSettings { mounting, sight_noise: noise, .. } = self.settings;
+        let FusionSettings { mounting, observation_noise: noise, .. } = self.settings;
         let landmark = landmark.position.xy();
         let sight = RangeBearingModel { landmark, mounting, noise };
         let model = if F::BENDS {
-            SightModel::straight(sight)
+            ObservationModel::straight(sight)
         } else {
-            SightModel::new(sight, self.filter.belief())
+            ObservationModel::new(sight, self.filter.belief())
         };
         let (filter, gate) = (&mut self.filter, &self.gate);
-        Ok(match sighting.sight {
-            Sight::RangeBearing { range, bearing } => {
+        Ok(match observation.sight {
+            Observed::RangeBearing { range, bearing } => {
                 let z = Vector2::new(range, bearing);
                 FusionOutcome::of(sensor, &filter.correct(&model, &z, gate)?)
             }
-            Sight::Range { range } => {
+            Observed::Range { range } => {
                 let z = Vector1::new(range);
                 FusionOutcome::of(sensor, &filter.correct(&DistanceModel(model), &z, gate)?)
             }
-            Sight::Bearing { bearing } => {
+            Observed::Bearing { bearing } => {
                 let z = Vector1::new(bearing);
                 FusionOutcome::of(sensor, &filter.correct(&DirectionModel(model), &z, gate)?)
             }
@@ -251,8 +251,8 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
             Input::Inertial(reading) => vec![self.inertial(stamp, reading)?],
             Input::Compass(reading) => vec![self.compass(reading)?],
             Input::Position(fix) => vec![self.position(fix)?],
-            Input::Sightings(sightings) => {
-                sightings.iter().map(|one| self.sighting(one)).collect::<Result<_>>()?
+            Input::LandmarkObservations(observations) => {
+                observations.iter().map(|one| self.observation(one)).collect::<Result<_>>()?
             }
             Input::Mark => {
                 self.filter.mark();
@@ -291,8 +291,8 @@ impl<F: NonlinearFilter<STATES>> Step for Held<F> {
             Input::Inertial(_) => 1,
             Input::Compass(_) => 2,
             Input::Position(_) => 3,
-            Input::Sightings(sightings) => {
-                4 + sightings.first().map_or(0, |first| u64::from(first.landmark))
+            Input::LandmarkObservations(observations) => {
+                4 + observations.first().map_or(0, |first| u64::from(first.landmark))
             }
             Input::Mark => u64::MAX,
         }

@@ -41,7 +41,7 @@ mod start;
 pub mod state;
 
 pub use models::{
-    CompassModel, DirectionModel, DistanceModel, InertialModel, PositionModel, SightModel,
+    CompassModel, DirectionModel, DistanceModel, InertialModel, ObservationModel, PositionModel,
     WheelModel,
 };
 pub use motion::FusedMotion;
@@ -57,7 +57,7 @@ use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::compass::CompassReading;
 use loc_sensors::imu::ImuReading;
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 use state::STATES;
 use std::sync::Arc;
 
@@ -147,13 +147,17 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
     /// Any number of landmarks seen at `stamp` \[s\]; the answer has one outcome for each.
     ///
     /// # Errors
-    /// As [`odometry`](FusedLocalizer::odometry), and [`loc_core::Error::OutOfRange`] for sightings
+    /// As [`odometry`](FusedLocalizer::odometry), and [`loc_core::Error::OutOfRange`] for observations
     /// that are not valid, none of which is then used.
-    pub fn sightings(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<Vec<FusionOutcome>> {
-        for sighting in sightings {
-            sighting.sight.check()?;
+    pub fn observations(
+        &mut self,
+        stamp: f64,
+        observations: &[LandmarkObservation],
+    ) -> Result<Vec<FusionOutcome>> {
+        for observation in observations {
+            observation.sight.check()?;
         }
-        self.filter.input("sightings", stamp, Input::Sightings(sightings.to_vec()))
+        self.filter.input("observations", stamp, Input::LandmarkObservations(observations.to_vec()))
     }
 
     /// The belief at a time \[s\]: predicted from the last input before it.

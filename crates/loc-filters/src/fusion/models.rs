@@ -144,14 +144,14 @@ impl MeasurementModel<STATES, 2> for PositionModel {
 /// longer by `w / 2 r` and to scatter by `(w / r)^2 / 2` more (the second-order filter of Bar-Shalom
 /// et al. 2001, 10.3).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SightModel {
+pub struct ObservationModel {
     /// The landmark as it would be seen without a bias.
     pub sight: RangeBearingModel,
     /// Variance of the position across the line of sight, by the distance, `w / r` \[m\].
     pub bend: f64,
 }
 
-impl SightModel {
+impl ObservationModel {
     /// The model for a belief.
     pub fn new(sight: RangeBearingModel, belief: &Gaussian<STATES>) -> Self {
         let view = sight.predict(&pose(&belief.mean));
@@ -159,12 +159,12 @@ impl SightModel {
         let across = Vector2::new(-direction.sin(), direction.cos());
         let position = belief.covariance.fixed_view::<2, 2>(0, 0);
         let variance = across.dot(&(position * across));
-        SightModel { sight, bend: variance / view.x.max(variance.sqrt()).max(NEAREST) }
+        ObservationModel { sight, bend: variance / view.x.max(variance.sqrt()).max(NEAREST) }
     }
 
     /// The model for a filter that sees the bend of a circle itself.
     pub fn straight(sight: RangeBearingModel) -> Self {
-        SightModel { sight, bend: 0.0 }
+        ObservationModel { sight, bend: 0.0 }
     }
 
     /// Variance of the distance that the bend adds \[m^2\].
@@ -173,20 +173,21 @@ impl SightModel {
     }
 
     fn whole(&self, state: &State) -> (Vector2<f64>, Rows) {
-        let (true_sight, by_pose): (_, Matrix2x3<f64>) = self.sight.linearize(&pose(state));
+        let (true_observation, by_pose): (_, Matrix2x3<f64>) = self.sight.linearize(&pose(state));
         let mut h = Rows::zeros();
         h.fixed_view_mut::<2, 3>(0, 0).copy_from(&by_pose);
         for column in 0..3 {
             h[(0, column)] *= state[RANGE_SCALE];
         }
-        h[(0, RANGE_SCALE)] = true_sight.x + 0.5 * self.bend;
+        h[(0, RANGE_SCALE)] = true_observation.x + 0.5 * self.bend;
         h[(0, RANGE_OFFSET)] = 1.0;
-        let range = state[RANGE_SCALE] * (true_sight.x + 0.5 * self.bend) + state[RANGE_OFFSET];
-        (Vector2::new(range, true_sight.y), h)
+        let range =
+            state[RANGE_SCALE] * (true_observation.x + 0.5 * self.bend) + state[RANGE_OFFSET];
+        (Vector2::new(range, true_observation.y), h)
     }
 }
 
-impl MeasurementModel<STATES, 2> for SightModel {
+impl MeasurementModel<STATES, 2> for ObservationModel {
     fn predict(&self, state: &State) -> Vector2<f64> {
         self.whole(state).0
     }
@@ -212,7 +213,7 @@ impl MeasurementModel<STATES, 2> for SightModel {
 
 /// The distance alone, `s r + o`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DistanceModel(pub SightModel);
+pub struct DistanceModel(pub ObservationModel);
 
 impl MeasurementModel<STATES, 1> for DistanceModel {
     fn predict(&self, state: &State) -> Vector1<f64> {
@@ -231,7 +232,7 @@ impl MeasurementModel<STATES, 1> for DistanceModel {
 
 /// The direction alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DirectionModel(pub SightModel);
+pub struct DirectionModel(pub ObservationModel);
 
 impl MeasurementModel<STATES, 1> for DirectionModel {
     fn predict(&self, state: &State) -> Vector1<f64> {

@@ -20,8 +20,8 @@ pub struct FusionSettings {
     pub integration: Integration,
     /// How far wheel odometry may be off (E7).
     pub motion_noise: VelocityNoise,
-    /// How far sightings of landmarks may be off.
-    pub sight_noise: LandmarkNoise,
+    /// How far observations of landmarks may be off.
+    pub observation_noise: LandmarkNoise,
     /// The pose of the camera or the ranging antenna on the robot, `base_from_camera`.
     pub mounting: Pose2,
     /// What is known of the bias of ranges.
@@ -59,9 +59,9 @@ impl FusionSettings {
     /// [`loc_core::Error::OutOfRange`] with the name of the first that is not allowed.
     pub fn check(&self) -> Result<Gate> {
         self.motion_noise.check()?;
-        self.sight_noise.check()?;
-        positive("sigma of the range [m]", self.sight_noise.range_sigma)?;
-        positive("sigma of the bearing [rad]", self.sight_noise.bearing_sigma)?;
+        self.observation_noise.check()?;
+        positive("sigma of the range [m]", self.observation_noise.range_sigma)?;
+        positive("sigma of the bearing [rad]", self.observation_noise.bearing_sigma)?;
         for value in [self.mounting.x, self.mounting.y, self.mounting.theta] {
             finite("mounting of the camera [m, m, rad]", value)?;
         }
@@ -91,7 +91,7 @@ impl Default for FusionSettings {
         FusionSettings {
             integration: Integration::ExactArc,
             motion_noise: VelocityNoise::default(),
-            sight_noise: LandmarkNoise::default(),
+            observation_noise: LandmarkNoise::default(),
             mounting: Pose2::IDENTITY,
             range_bias: BiasPrior { scale_sigma: 0.1, offset_sigma: 0.2 },
             imu: ImuSpec::default(),

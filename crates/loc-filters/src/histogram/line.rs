@@ -16,7 +16,7 @@ use crate::{Error, Result};
 use loc_core::error::{in_range, non_negative, positive};
 
 /// The most cells of a line.
-const MOST_CELLS: f64 = 1e7;
+const MAX_CELLS: f64 = 1e7;
 
 /// Nodes and weights of the Gauss-Legendre rule with three points on \[-1/2, 1/2\].
 const NODES: [(f64, f64); 3] = [
@@ -44,7 +44,7 @@ impl LineGrid {
         positive("length of the corridor [m]", length)?;
         positive("length of a cell [m]", cell)?;
         let count = (length / cell).round().max(1.0);
-        in_range("cells of the corridor", "at most 1e7", count, |count| count <= MOST_CELLS)?;
+        in_range("cells of the corridor", "at most 1e7", count, |count| count <= MAX_CELLS)?;
         Ok(LineGrid { cell: length / count, probabilities: vec![1.0 / count; count as usize] })
     }
 

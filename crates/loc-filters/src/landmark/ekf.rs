@@ -6,7 +6,7 @@ use super::{
 use crate::{Error, ExtendedKalmanFilter, Gate, NonlinearFilter, Result, UnscentedKalmanFilter};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Vector1, Vector2};
 
 /// A Kalman filter over (x, y, theta) \[m, m, rad\] with known landmarks: [`LandmarkEkf`] or
@@ -61,35 +61,39 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
         self.filter.mark();
     }
 
-    /// Corrects with one sighting. Several of one moment are given one after the other; each is
+    /// Corrects with one observation. Several of one moment are given one after the other; each is
     /// then linearised where the one before has led, and gated for itself.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for a sighting that is not finite or has a negative range.
-    pub fn correct(&mut self, map: &LandmarkMap, sighting: &Sighting) -> Result<Outcome> {
-        let sight = sighting.sight.check()?;
-        let verdict = match map.get(sighting.landmark) {
+    /// [`loc_core::Error::OutOfRange`] for an observation that is not finite or has a negative range.
+    pub fn correct(
+        &mut self,
+        map: &LandmarkMap,
+        observation: &LandmarkObservation,
+    ) -> Result<Outcome> {
+        let sight = observation.sight.check()?;
+        let verdict = match map.get(observation.landmark) {
             None => Verdict::UnknownLandmark,
             Some(landmark) => {
-                let LandmarkSettings { mounting, sight_noise: noise, .. } = self.settings;
+                let LandmarkSettings { mounting, observation_noise: noise, .. } = self.settings;
                 let landmark = landmark.position.xy();
                 self.judge(sight, RangeBearingModel { landmark, mounting, noise })?
             }
         };
-        Ok(Outcome { landmark: sighting.landmark, verdict })
+        Ok(Outcome { landmark: observation.landmark, verdict })
     }
 
-    fn judge(&mut self, sight: Sight, model: RangeBearingModel) -> Result<Verdict, Error> {
+    fn judge(&mut self, sight: Observed, model: RangeBearingModel) -> Result<Verdict, Error> {
         let (filter, gate) = (&mut self.filter, &self.gate);
         Ok(match sight {
-            Sight::RangeBearing { range, bearing } => {
+            Observed::RangeBearing { range, bearing } => {
                 let z = Vector2::new(range, bearing);
                 Verdict::RangeBearing(filter.correct(&model, &z, gate)?)
             }
-            Sight::Range { range } => {
+            Observed::Range { range } => {
                 Verdict::Range(filter.correct(&RangeModel(model), &Vector1::new(range), gate)?)
             }
-            Sight::Bearing { bearing } => Verdict::Bearing(filter.correct(
+            Observed::Bearing { bearing } => Verdict::Bearing(filter.correct(
                 &BearingModel(model),
                 &Vector1::new(bearing),
                 gate,

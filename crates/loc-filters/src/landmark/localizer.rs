@@ -5,12 +5,12 @@ use crate::delayed::{DelayedFilter, Step};
 use crate::{ExtendedKalmanFilter, NonlinearFilter, Result};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 use std::sync::Arc;
 
 /// Landmark localization over stamped inputs, in order or late.
 ///
-/// A velocity holds from its stamp until the next one. Sightings may come between velocities,
+/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
 /// several at one stamp, up to the settings' `horizon` late, or not at all.
 ///
 /// With the extended Kalman filter, unless another one is named.
@@ -32,7 +32,7 @@ struct Held<F> {
 #[derive(Debug, Clone)]
 enum Input {
     Velocity(Twist2),
-    Sightings(Vec<Sighting>),
+    LandmarkObservations(Vec<LandmarkObservation>),
 }
 
 impl LandmarkLocalizer {
@@ -78,10 +78,14 @@ impl<F: NonlinearFilter<3>> LandmarkLocalizer<F> {
     /// Any number of landmarks seen at `stamp` \[s\]; the answer has one outcome for each.
     ///
     /// # Errors
-    /// [`crate::Error::TooLate`], and [`loc_core::Error::OutOfRange`] for sightings that are not
+    /// [`crate::Error::TooLate`], and [`loc_core::Error::OutOfRange`] for observations that are not
     /// valid, none of which is then used.
-    pub fn sightings(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<Vec<Outcome>> {
-        self.filter.input("sightings", stamp, Input::Sightings(sightings.to_vec()))
+    pub fn observations(
+        &mut self,
+        stamp: f64,
+        observations: &[LandmarkObservation],
+    ) -> Result<Vec<Outcome>> {
+        self.filter.input("observations", stamp, Input::LandmarkObservations(observations.to_vec()))
     }
 
     /// The belief at a time \[s\]: predicted from the last input before it.
@@ -113,9 +117,9 @@ impl<F: NonlinearFilter<3>> Step for Held<F> {
                 crate::innovation::finite("velocity", &twist.to_vector())?;
                 self.twist = *twist;
             }
-            Input::Sightings(sightings) => {
-                for sighting in sightings {
-                    outcomes.push(ekf.correct(&self.map, sighting)?);
+            Input::LandmarkObservations(observations) => {
+                for observation in observations {
+                    outcomes.push(ekf.correct(&self.map, observation)?);
                 }
             }
         }

@@ -1,8 +1,8 @@
-//! What became of a sighting.
+//! What became of an observation.
 
 use crate::Innovation;
 
-/// A sighting's landmark and what the filter made of it.
+/// An observation's landmark and what the filter made of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// The number that was read off the landmark.
@@ -11,7 +11,7 @@ pub struct Outcome {
     pub verdict: Verdict,
 }
 
-/// What the filter made of a sighting.
+/// What the filter made of an observation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Verdict {
     /// The map has no landmark of this number; nothing was changed.
@@ -25,7 +25,7 @@ pub enum Verdict {
 }
 
 impl Outcome {
-    /// Whether the sighting changed the belief.
+    /// Whether the observation changed the belief.
     pub fn accepted(&self) -> bool {
         match &self.verdict {
             Verdict::UnknownLandmark => false,

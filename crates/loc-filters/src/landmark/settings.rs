@@ -14,11 +14,11 @@ pub struct LandmarkSettings {
     pub integration: Integration,
     /// How far odometry may be off.
     pub motion_noise: VelocityNoise,
-    /// How far sightings may be off.
-    pub sight_noise: LandmarkNoise,
+    /// How far observations may be off.
+    pub observation_noise: LandmarkNoise,
     /// The camera's pose on the robot, `base_from_camera`.
     pub mounting: Pose2,
-    /// Share of right sightings that the gate lets pass, 1 for no gate.
+    /// Share of right observations that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
     /// How late an input may come \[s\].
     pub horizon: f64,
@@ -31,9 +31,12 @@ impl LandmarkSettings {
     /// [`loc_core::Error::OutOfRange`] for noise without a sigma, probabilities outside (0, 1],
     /// or values that are negative or not finite.
     pub(crate) fn gate(&self) -> Result<Gate> {
-        self.sight_noise.check()?;
-        loc_core::error::positive("sigma of the range [m]", self.sight_noise.range_sigma)?;
-        loc_core::error::positive("sigma of the bearing [rad]", self.sight_noise.bearing_sigma)?;
+        self.observation_noise.check()?;
+        loc_core::error::positive("sigma of the range [m]", self.observation_noise.range_sigma)?;
+        loc_core::error::positive(
+            "sigma of the bearing [rad]",
+            self.observation_noise.bearing_sigma,
+        )?;
         self.motion_noise.check()?;
         for value in [self.mounting.x, self.mounting.y, self.mounting.theta] {
             loc_core::error::finite("mounting of the camera [m, m, rad]", value)?;
@@ -47,7 +50,7 @@ impl Default for LandmarkSettings {
         LandmarkSettings {
             integration: Integration::ExactArc,
             motion_noise: VelocityNoise::default(),
-            sight_noise: LandmarkNoise::default(),
+            observation_noise: LandmarkNoise::default(),
             mounting: Pose2::IDENTITY,
             gate_probability: 0.999,
             horizon: 2.0,

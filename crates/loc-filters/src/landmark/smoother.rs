@@ -5,7 +5,7 @@ use crate::smoother::{Recorded, Smoother};
 use crate::{Error, ExtendedKalmanFilter, NonlinearFilter, Result};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 use std::sync::Arc;
 
 /// Landmark localization after the drive: the inputs of
@@ -17,15 +17,15 @@ use std::sync::Arc;
 /// use loc_core::{Pose2, Twist2, gaussian::pose_belief};
 /// use loc_filters::landmark::{LandmarkSettings, LandmarkSmoother};
 /// use loc_maps::{Landmark, LandmarkMap};
-/// use loc_sensors::landmark_camera::{Sight, Sighting};
+/// use loc_sensors::landmark_camera::{Observed, LandmarkObservation};
 ///
 /// let map = LandmarkMap::new([Landmark::planar(1, 4.0, 0.0)])?;
 /// let start = pose_belief(Pose2::IDENTITY, [0.5, 0.5, 0.1]);
 /// let mut drive = LandmarkSmoother::new(map, LandmarkSettings::default(), 0.0, start)?;
 /// drive.velocity(0.0, Twist2::forward(1.0, 0.0))?;
 /// drive.mark(0.0)?;
-/// let sight = Sight::RangeBearing { range: 2.5, bearing: 0.0 };
-/// drive.sightings(1.0, &[Sighting { landmark: 1, sight }])?;
+/// let sight = Observed::RangeBearing { range: 2.5, bearing: 0.0 };
+/// drive.observations(1.0, &[LandmarkObservation { landmark: 1, sight }])?;
 /// let smoothed = drive.smooth()?;
 /// assert!(smoothed[0].mean.x > 0.4, "what is seen at 1 s says where the robot was at 0 s");
 /// # Ok::<(), loc_filters::Error>(())
@@ -86,14 +86,19 @@ impl<F: NonlinearFilter<3>> LandmarkSmoother<F> {
     ///
     /// # Errors
     /// [`Error::TooLate`] for a stamp before the last one, and [`loc_core::Error::OutOfRange`] for
-    /// sightings that are not valid, none of which is then used.
-    pub fn sightings(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<Vec<Outcome>> {
-        for sighting in sightings {
-            sighting.sight.check()?;
+    /// observations that are not valid, none of which is then used.
+    pub fn observations(
+        &mut self,
+        stamp: f64,
+        observations: &[LandmarkObservation],
+    ) -> Result<Vec<Outcome>> {
+        for observation in observations {
+            observation.sight.check()?;
         }
-        self.drive_to("sightings", stamp)?;
+        self.drive_to("observations", stamp)?;
         let mut filter = self.filter.clone();
-        let outcomes = sightings.iter().map(|sighting| filter.correct(&self.map, sighting));
+        let outcomes =
+            observations.iter().map(|observation| filter.correct(&self.map, observation));
         let outcomes = outcomes.collect::<Result<Vec<_>>>()?;
         self.filter = filter;
         Ok(outcomes)

@@ -158,7 +158,7 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
         crate::innovation::finite("mounting of the laser", &mounting.to_vector())?;
         seen.iter().try_for_each(check)?;
         let motion = &self.settings.motion;
-        let least = [motion.least_position, motion.least_position, motion.least_heading];
+        let least = [motion.min_position, motion.min_position, motion.min_heading];
         let mut attempt = self.attempt(&seen, view, mounting, least.into())?;
         if attempt.fits == Some(false) && motion.fault_probability > 0.0 {
             // Perhaps odometry has failed since a scan fitted, or was off as it rarely is.

@@ -99,7 +99,7 @@ pub(super) struct WithBelief<'a> {
 }
 
 impl Pairing<2> for WithBelief<'_> {
-    fn sightings(&self) -> usize {
+    fn observations(&self) -> usize {
         self.lines.seen.len()
     }
 

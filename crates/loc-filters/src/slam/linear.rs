@@ -15,22 +15,22 @@ use std::collections::BTreeMap;
 pub struct LinearSlamSettings {
     /// Variance of the way driven along each axis, per metre of it \[m^2/m\].
     pub k_d: f64,
-    /// Share of right sightings that the gate lets pass, 1 for no gate.
+    /// Share of right observations that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
     /// The map takes no more landmarks than this.
-    pub most_landmarks: usize,
+    pub max_landmarks: usize,
 }
 
 impl Default for LinearSlamSettings {
     /// 5 cm after 1 m.
     fn default() -> Self {
-        LinearSlamSettings { k_d: 0.0025, gate_probability: 0.999, most_landmarks: 3000 }
+        LinearSlamSettings { k_d: 0.0025, gate_probability: 0.999, max_landmarks: 3000 }
     }
 }
 
 /// A numbered landmark as the robot sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RelativeSighting {
+pub struct RelativeObservation {
     /// Its number.
     pub landmark: u32,
     /// Where it is from the robot, along the axes of the map \[m\].
@@ -44,12 +44,12 @@ pub struct RelativeSighting {
 ///
 /// ```
 /// use loc_core::Gaussian;
-/// use loc_filters::slam::{LinearSlam, LinearSlamSettings, RelativeSighting};
+/// use loc_filters::slam::{LinearSlam, LinearSlamSettings, RelativeObservation};
 /// use nalgebra::{Matrix2, Vector2};
 /// let start = Gaussian::certain(Vector2::zeros());
 /// let mut slam = LinearSlam::new(start, LinearSlamSettings::default())?;
 /// let covariance = Matrix2::identity() * 0.0025;
-/// let see = |x| RelativeSighting { landmark: 1, offset: Vector2::new(x, 2.0), covariance };
+/// let see = |x| RelativeObservation { landmark: 1, offset: Vector2::new(x, 2.0), covariance };
 /// slam.correct(&[see(3.0)])?;
 /// slam.predict(Vector2::new(1.0, 0.0), 1.0)?;
 /// slam.correct(&[see(2.1)])?;
@@ -89,37 +89,37 @@ impl LinearSlam {
         self.state.propagate(self.state.robot() + way, &Matrix2::identity(), &noise)
     }
 
-    /// Corrects with sightings of one moment, any number of them. For each the innovation; `None`
+    /// Corrects with observations of one moment, any number of them. For each the innovation; `None`
     /// for one that put a new landmark into the map, or that a full map has no room for.
     ///
     /// # Errors
-    /// [`crate::Error::NotFinite`] for a sighting, [`loc_core::Error::NotACovariance`] for its
+    /// [`crate::Error::NotFinite`] for an observation, [`loc_core::Error::NotACovariance`] for its
     /// covariance: none is then used.
     /// [`crate::Error::LostPositivity`], with the step: the filter cannot go on.
     pub fn correct(
         &mut self,
-        sightings: &[RelativeSighting],
+        observations: &[RelativeObservation],
     ) -> Result<Vec<Option<Innovation<2>>>> {
-        for sighting in sightings {
-            crate::innovation::finite("position of a landmark", &sighting.offset)?;
-            cholesky("covariance of a sighting", &sighting.covariance)?;
+        for observation in observations {
+            crate::innovation::finite("position of a landmark", &observation.offset)?;
+            cholesky("covariance of an observation", &observation.covariance)?;
         }
-        let mut innovations = Vec::with_capacity(sightings.len());
-        for group in sightings.chunks(crate::association::AssociationSettings::GROUP) {
+        let mut innovations = Vec::with_capacity(observations.len());
+        for group in observations.chunks(crate::association::AssociationSettings::GROUP) {
             let mut rows = Vec::with_capacity(2 * group.len());
             let mut new = Vec::new();
-            for sighting in group {
-                let known = self.numbers.get(&sighting.landmark).copied();
-                innovations.push(known.map(|k| self.judge(k, sighting, &mut rows)).transpose()?);
+            for observation in group {
+                let known = self.numbers.get(&observation.landmark).copied();
+                innovations.push(known.map(|k| self.judge(k, observation, &mut rows)).transpose()?);
                 if known.is_none() {
-                    new.push((innovations.len() - 1, *sighting));
+                    new.push((innovations.len() - 1, *observation));
                 }
             }
             if !rows.is_empty() {
                 self.state.correct(&rows, None)?;
             }
-            for (place, sighting) in new {
-                innovations[place] = self.welcome(&sighting)?;
+            for (place, observation) in new {
+                innovations[place] = self.welcome(&observation)?;
             }
         }
         Ok(innovations)
@@ -129,38 +129,38 @@ impl LinearSlam {
     fn judge(
         &self,
         landmark: usize,
-        sighting: &RelativeSighting,
+        observation: &RelativeObservation,
         rows: &mut Vec<Row<2>>,
     ) -> Result<Innovation<2>> {
         let expected = self.state.position(landmark).coords - self.state.robot();
-        let residual = sighting.offset - expected;
+        let residual = observation.offset - expected;
         let cross = self.state.cross(landmark);
         let covariance = self.state.robot_covariance() + self.state.block(landmark, landmark)
             - cross
             - cross.transpose()
-            + sighting.covariance;
+            + observation.covariance;
         let innovation = self.state.innovation(residual, covariance, &self.gate)?;
         if innovation.accepted {
-            rows.extend(whitened_rows(landmark, sighting, &residual)?);
+            rows.extend(whitened_rows(landmark, observation, &residual)?);
         }
         Ok(innovation)
     }
     // ANCHOR_END: judge
 
-    /// A sighting of a number that the state did not have when its group began.
-    fn welcome(&mut self, sighting: &RelativeSighting) -> Result<Option<Innovation<2>>> {
-        if let Some(&landmark) = self.numbers.get(&sighting.landmark) {
+    /// An observation of a number that the state did not have when its group began.
+    fn welcome(&mut self, observation: &RelativeObservation) -> Result<Option<Innovation<2>>> {
+        if let Some(&landmark) = self.numbers.get(&observation.landmark) {
             let mut rows = Vec::with_capacity(2);
-            let innovation = self.judge(landmark, sighting, &mut rows)?;
+            let innovation = self.judge(landmark, observation, &mut rows)?;
             if !rows.is_empty() {
                 self.state.correct(&rows, None)?;
             }
             return Ok(Some(innovation));
         }
-        if self.state.len() < self.settings.most_landmarks {
-            let position = Point2::from(self.state.robot() + sighting.offset);
-            self.state.push(position, &Matrix2::identity(), &sighting.covariance)?;
-            self.numbers.insert(sighting.landmark, self.state.len() - 1);
+        if self.state.len() < self.settings.max_landmarks {
+            let position = Point2::from(self.state.robot() + observation.offset);
+            self.state.push(position, &Matrix2::identity(), &observation.covariance)?;
+            self.numbers.insert(observation.landmark, self.state.len() - 1);
         }
         Ok(None)
     }
@@ -195,13 +195,13 @@ impl LinearSlam {
     }
 }
 
-/// The two rows of a sighting, turned and scaled so that their noise is independent, of variance 1.
+/// The two rows of an observation, turned and scaled so that their noise is independent, of variance 1.
 fn whitened_rows(
     landmark: usize,
-    sighting: &RelativeSighting,
+    observation: &RelativeObservation,
     residual: &Vector2<f64>,
 ) -> Result<[Row<2>; 2]> {
-    let lower = cholesky("covariance of a sighting", &sighting.covariance)?.l();
+    let lower = cholesky("covariance of an observation", &observation.covariance)?.l();
     let (l11, l21, l22) = (lower.m11, lower.m21, lower.m22);
     let first = Vector2::new(1.0 / l11, 0.0);
     let second = Vector2::new(-l21 / (l11 * l22), 1.0 / l22);

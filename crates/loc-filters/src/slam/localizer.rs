@@ -4,11 +4,11 @@ use super::{EkfSlam, MapLandmark, SlamOutcome, SlamSettings};
 use crate::Result;
 use crate::delayed::{DelayedFilter, Step};
 use loc_core::{Gaussian, Twist2};
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 
 /// SLAM over stamped inputs, in order or late.
 ///
-/// A velocity holds from its stamp until the next one. Sightings may come between velocities,
+/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
 /// several at one stamp, up to a horizon late, or not at all. For late ones the filter is kept as
 /// it was before every input within the horizon; each that was corrected since has a covariance of
 /// its own, so that a map of thousands of landmarks goes with a horizon of 0.
@@ -29,7 +29,7 @@ struct Held {
 #[derive(Debug, Clone)]
 enum Input {
     Velocity(Twist2),
-    Sightings(Vec<Sighting>),
+    LandmarkObservations(Vec<LandmarkObservation>),
 }
 
 impl SlamLocalizer {
@@ -61,8 +61,12 @@ impl SlamLocalizer {
     ///
     /// # Errors
     /// [`crate::Error::TooLate`], and what [`EkfSlam::correct`] refuses.
-    pub fn sightings(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<Vec<SlamOutcome>> {
-        self.filter.input("sightings", stamp, Input::Sightings(sightings.to_vec()))
+    pub fn observations(
+        &mut self,
+        stamp: f64,
+        observations: &[LandmarkObservation],
+    ) -> Result<Vec<SlamOutcome>> {
+        self.filter.input("observations", stamp, Input::LandmarkObservations(observations.to_vec()))
     }
 
     /// The belief about the robot at a time \[s\]: predicted from the last input before it.
@@ -124,7 +128,7 @@ impl Held {
                 self.twist = *twist;
                 Ok(Vec::new())
             }
-            Input::Sightings(sightings) => self.slam.correct(sightings),
+            Input::LandmarkObservations(observations) => self.slam.correct(observations),
         }
     }
 }

@@ -13,11 +13,11 @@
 //! ```
 //! use loc_core::{Gaussian, Pose2, Twist2};
 //! use loc_filters::slam::{EkfSlam, SlamSettings};
-//! use loc_sensors::landmark_camera::{Sight, Sighting};
+//! use loc_sensors::landmark_camera::{Observed, LandmarkObservation};
 //!
 //! let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
 //! let mut slam = EkfSlam::new(start, SlamSettings::default())?;
-//! let see = |range| Sighting { landmark: 7, sight: Sight::RangeBearing { range, bearing: 0.0 } };
+//! let see = |range| LandmarkObservation { landmark: 7, sight: Observed::RangeBearing { range, bearing: 0.0 } };
 //! slam.correct(&[see(4.0)])?;
 //! slam.predict(Twist2::forward(1.0, 0.0), 1.0)?;
 //! slam.correct(&[see(2.9)])?;
@@ -35,5 +35,5 @@ pub use ekf::{
     EkfSlam, Identities, Jacobians, MapLandmark, MapSettings, SlamOutcome, SlamSettings,
     SlamVerdict,
 };
-pub use linear::{LinearSlam, LinearSlamSettings, RelativeSighting};
+pub use linear::{LinearSlam, LinearSlamSettings, RelativeObservation};
 pub use localizer::SlamLocalizer;

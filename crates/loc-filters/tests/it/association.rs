@@ -11,20 +11,20 @@ use rand_distr::{Distribution, StandardNormal};
 struct Points {
     seen: Vec<Vector2<f64>>,
     known: Vec<Vector2<f64>>,
-    /// What all sightings have in common, and what each has of its own.
+    /// What all observations have in common, and what each has of its own.
     robot: Matrix2<f64>,
     sensor: Vec<Matrix2<f64>>,
 }
 
 impl Pairing<2> for Points {
-    fn sightings(&self) -> usize {
+    fn observations(&self) -> usize {
         self.seen.len()
     }
     fn landmarks(&self) -> usize {
         self.known.len()
     }
-    fn innovation(&self, sighting: usize, landmark: usize) -> Option<PairInnovation<2>> {
-        let residual = self.seen[sighting] - self.known[landmark];
+    fn innovation(&self, observation: usize, landmark: usize) -> Option<PairInnovation<2>> {
+        let residual = self.seen[observation] - self.known[landmark];
         Some(PairInnovation { residual, covariance: self.robot + self.sensor[landmark] })
     }
     fn cross_covariance(&self, _: (usize, usize), _: (usize, usize)) -> Matrix2<f64> {
@@ -37,13 +37,13 @@ fn draw(rng: &mut ChaCha8Rng) -> Vector2<f64> {
 }
 
 /// Landmarks close together, seen by a robot that is off by about as much.
-fn world(rng: &mut ChaCha8Rng, landmarks: usize, sightings: usize) -> Points {
+fn world(rng: &mut ChaCha8Rng, landmarks: usize, observations: usize) -> Points {
     let known: Vec<_> = (0..landmarks).map(|_| 2.0 * draw(rng)).collect();
     let off = 0.7 * draw(rng);
-    let mut seen: Vec<_> = (0..sightings)
+    let mut seen: Vec<_> = (0..observations)
         .map(|k| if k < landmarks { known[k] + off + 0.2 * draw(rng) } else { 2.0 * draw(rng) })
         .collect();
-    seen.rotate_left(rng.random_range(0..sightings.max(1)));
+    seen.rotate_left(rng.random_range(0..observations.max(1)));
     let sensor =
         (0..landmarks).map(|_| Matrix2::identity() * rng.random_range(0.02..0.2_f64)).collect();
     Points { seen, known, robot: Matrix2::new(0.6, 0.2, 0.2, 0.5), sensor }
@@ -56,7 +56,7 @@ fn associate(rule: Rule, pairing: &impl Pairing<2>) -> Association {
 
 /// The same, believing the likeliest however little it leads.
 fn trusting(rule: Rule, pairing: &impl Pairing<2>) -> Association {
-    let settings = AssociationSettings { rule, least_ratio: 1.0, ..Default::default() };
+    let settings = AssociationSettings { rule, min_ratio: 1.0, ..Default::default() };
     Associator::new(settings).unwrap().associate(pairing).unwrap()
 }
 
@@ -123,7 +123,7 @@ fn joint_compatibility_against_all_hypotheses() {
     assert!(differs >= 8, "the worlds are too easy: {differs}");
 }
 
-/// A landmark known well at 2.0 and one known badly at 3.2, a sighting at 2.5.
+/// A landmark known well at 2.0 and one known badly at 3.2, an observation at 2.5.
 #[test]
 fn nearest_neighbor_and_maximum_likelihood_differ() {
     let points = Points {
@@ -145,7 +145,7 @@ fn every_landmark_is_given_away_once() {
     let mut rng = stream(8, "crowd");
     for rule in [Rule::NearestNeighbor, Rule::MaximumLikelihood, Rule::JointCompatibility] {
         let mut points = world(&mut rng, 30, 30);
-        // Everything is seen twice, so that more sightings than one group compete.
+        // Everything is seen twice, so that more observations than one group compete.
         points.seen.extend(points.seen.clone());
         let found = trusting(rule, &points);
         let mut landmarks: Vec<_> = found.partners.iter().flatten().collect();
@@ -198,7 +198,7 @@ fn nothing_much_and_nonsense() {
         let associator = Associator::new(AssociationSettings::default()).unwrap();
         associator.associate(&points).unwrap_err().to_string()
     };
-    assert!(refused(f64::NAN, 1.0).contains("residual of a sighting: expected finite"));
+    assert!(refused(f64::NAN, 1.0).contains("residual of an observation: expected finite"));
     assert!(refused(0.0, -1.0).contains("positive definite"));
     let gate = AssociationSettings { gate_probability: 1.5, ..AssociationSettings::default() };
     assert!(Associator::new(gate).is_err());
@@ -208,14 +208,14 @@ fn nothing_much_and_nonsense() {
 struct AmongOthers(Points);
 
 impl Pairing<2> for AmongOthers {
-    fn sightings(&self) -> usize {
-        self.0.sightings()
+    fn observations(&self) -> usize {
+        self.0.observations()
     }
     fn landmarks(&self) -> usize {
         self.0.landmarks()
     }
-    fn innovation(&self, sighting: usize, landmark: usize) -> Option<PairInnovation<2>> {
-        self.0.innovation(sighting, landmark)
+    fn innovation(&self, observation: usize, landmark: usize) -> Option<PairInnovation<2>> {
+        self.0.innovation(observation, landmark)
     }
     fn elsewhere(&self, _: usize) -> f64 {
         0.1

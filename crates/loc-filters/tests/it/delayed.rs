@@ -49,14 +49,17 @@ fn any_order_within_the_horizon_gives_the_same_state() {
 #[test]
 fn too_late_is_an_error_that_says_how_late() {
     let mut filter = DelayedFilter::new(Hash(0.0), 0.5).unwrap();
-    filter.input("sightings", 1.0, 1.0).unwrap();
-    filter.input("sightings", 2.0, 1.0).unwrap();
+    filter.input("observations", 1.0, 1.0).unwrap();
+    filter.input("observations", 2.0, 1.0).unwrap();
     let before = filter.newest().clone();
-    let message = filter.input("sightings", 1.4, 1.0).unwrap_err().to_string();
-    assert_eq!(message, "sightings at 1.4 s: expected at most 0.5 s before 2 s, the newest input");
+    let message = filter.input("observations", 1.4, 1.0).unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "observations at 1.4 s: expected at most 0.5 s before 2 s, the newest input"
+    );
     assert_eq!(*filter.newest(), before);
-    assert!(filter.input("sightings", 1.5, 1.0).is_ok());
-    assert!(filter.input("sightings", f64::NAN, 1.0).is_err());
+    assert!(filter.input("observations", 1.5, 1.0).is_ok());
+    assert!(filter.input("observations", f64::NAN, 1.0).is_err());
     assert!(DelayedFilter::new(Hash(0.0), -1.0).is_err());
 }
 

@@ -11,7 +11,7 @@ use loc_filters::fusion::state::{
 };
 use loc_filters::fusion::{
     CompassModel, DirectionModel, DistanceModel, FusedBelief, FusedLocalizer, FusedMotion,
-    FusionSettings, InertialModel, PositionModel, SightModel, WheelModel,
+    FusionSettings, InertialModel, ObservationModel, PositionModel, WheelModel,
 };
 use loc_filters::landmark::RangeBearingModel;
 use loc_filters::lateration::BiasPrior;
@@ -19,7 +19,7 @@ use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::compass::CompassReading;
 use loc_sensors::gnss::GnssNoise;
 use loc_sensors::imu::{ImuReading, ImuSpec, InertialNoise};
-use loc_sensors::landmark_camera::{LandmarkNoise, Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Point2, SVector, Vector2, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -74,7 +74,7 @@ fn jacobians_are_those_of_finite_differences() {
         mounting: Pose2::new(0.2, 0.1, 0.3),
         noise: LandmarkNoise::default(),
     };
-    let model = SightModel { sight, bend: 0.07 };
+    let model = ObservationModel { sight, bend: 0.07 };
     assert_jacobian("sight", &model);
     assert_jacobian("distance", &DistanceModel(model));
     assert_jacobian("direction", &DirectionModel(model));
@@ -91,7 +91,7 @@ fn a_distance_bends_as_its_positions_say() {
     let mut belief = Gaussian { mean: State::zeros(), covariance: Default::default() };
     belief.mean[RANGE_SCALE] = 1.0;
     belief.covariance[(1, 1)] = 0.8_f64.powi(2);
-    let model = SightModel::new(sight, &belief);
+    let model = ObservationModel::new(sight, &belief);
     let mut rng = stream(3, "positions");
     let (mut sum, mut squares, count) = (0.0, 0.0, 200_000.0);
     for _ in 0..200_000 {
@@ -118,7 +118,7 @@ fn settings() -> FusionSettings {
     };
     FusionSettings {
         motion_noise: VelocityNoise::from_sigmas(0.05, 0.1, 0.03).unwrap(),
-        sight_noise: LandmarkNoise { range_sigma: 0.2, ..LandmarkNoise::default() },
+        observation_noise: LandmarkNoise { range_sigma: 0.2, ..LandmarkNoise::default() },
         range_bias: BiasPrior { scale_sigma: 0.05, offset_sigma: 0.2 },
         imu: ImuSpec { rate: 20.0, accelerometer: axis(0.01, 0.1), gyroscope: axis(0.001, 0.01) },
         compass_sigma: 0.05,
@@ -224,15 +224,15 @@ impl Drive {
             }
         }
         if k % 15 == 5 && mute != Mute::Satellites {
-            let sightings: Vec<_> = map()
+            let observations: Vec<_> = map()
                 .iter()
                 .map(|landmark| {
                     let true_range = (landmark.position.xy() - self.truth.position()).norm();
                     let range = (1.0 + self.biases[2]) * true_range + self.biases[3] + draw(0.2);
-                    Sighting { landmark: landmark.id, sight: Sight::Range { range } }
+                    LandmarkObservation { landmark: landmark.id, sight: Observed::Range { range } }
                 })
                 .collect();
-            robot.sightings(stamp, &sightings).unwrap();
+            robot.observations(stamp, &observations).unwrap();
         }
     }
 }
@@ -359,8 +359,11 @@ fn the_order_of_one_moment_and_late_inputs_do_not_matter() {
             robot.position(stamp, at).map(|_| ()).unwrap();
         }
         _ => {
-            let sight = Sight::Range { range: 21.0 };
-            robot.sightings(stamp, &[Sighting { landmark: 1, sight }]).map(|_| ()).unwrap();
+            let sight = Observed::Range { range: 21.0 };
+            robot
+                .observations(stamp, &[LandmarkObservation { landmark: 1, sight }])
+                .map(|_| ())
+                .unwrap();
         }
     };
     let mut in_order = new();
@@ -403,24 +406,27 @@ fn bad_input_is_refused_and_leaves_the_filter_as_it_was() {
         assert!(robot.compass(0.5, CompassReading { heading: value, strength: 20.0 }).is_err());
         let fix = Gaussian { mean: Vector2::new(value, 0.0), covariance: Matrix2::identity() };
         assert!(robot.position(0.5, fix).is_err());
-        let sight = Sight::Range { range: value };
-        assert!(robot.sightings(0.5, &[Sighting { landmark: 1, sight }]).is_err());
+        let sight = Observed::Range { range: value };
+        assert!(robot.observations(0.5, &[LandmarkObservation { landmark: 1, sight }]).is_err());
         assert!(robot.estimate(value).is_err());
     }
     let negative = Gaussian { mean: Vector2::zeros(), covariance: -Matrix2::identity() };
     assert!(robot.position(0.5, negative).is_err());
     assert!(
         robot
-            .sightings(0.5, &[Sighting { landmark: 1, sight: Sight::Range { range: -1.0 } }])
+            .observations(
+                0.5,
+                &[LandmarkObservation { landmark: 1, sight: Observed::Range { range: -1.0 } }]
+            )
             .is_err()
     );
     assert_eq!(robot.estimate(1.0).unwrap(), before);
     // A landmark that the map does not have, none at all, and one that cannot be so far away.
-    let seen = |landmark, range| Sighting { landmark, sight: Sight::Range { range } };
-    let outcomes = robot.sightings(0.5, &[seen(99, 3.0), seen(1, 500.0)]).unwrap();
+    let seen = |landmark, range| LandmarkObservation { landmark, sight: Observed::Range { range } };
+    let outcomes = robot.observations(0.5, &[seen(99, 3.0), seen(1, 500.0)]).unwrap();
     assert!(!outcomes[0].accepted && outcomes[0].nis.is_none());
     assert!(!outcomes[1].accepted && outcomes[1].nis.unwrap() > 10.0);
-    assert!(robot.sightings(0.5, &[]).unwrap().is_empty());
+    assert!(robot.observations(0.5, &[]).unwrap().is_empty());
     // An absurdly long silence ends, and says honestly that nothing is known.
     let lost = robot.estimate(1e7).unwrap();
     assert!(lost.state(0).unwrap().1 > 1e6 && lost.state(THETA).unwrap().0.abs() <= 3.15);

@@ -6,7 +6,9 @@ use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::Error;
 use loc_filters::landmark::{LandmarkEkf, LandmarkLocalizer, LandmarkSettings, Verdict};
 use loc_maps::{Landmark, LandmarkMap};
-use loc_sensors::landmark_camera::{LandmarkCamera, LandmarkNoise, Sight, SightKind, Sighting};
+use loc_sensors::landmark_camera::{
+    LandmarkCamera, LandmarkNoise, LandmarkObservation, Observed, ObservedKind,
+};
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 fn map() -> LandmarkMap {
@@ -18,8 +20,8 @@ fn map() -> LandmarkMap {
     .unwrap()
 }
 
-fn see(landmark: u32, range: f64, bearing: f64) -> Sighting {
-    Sighting { landmark, sight: Sight::RangeBearing { range, bearing } }
+fn see(landmark: u32, range: f64, bearing: f64) -> LandmarkObservation {
+    LandmarkObservation { landmark, sight: Observed::RangeBearing { range, bearing } }
 }
 
 /// One landmark through the whole filter, against the formulas of H1 and H2 on plain matrices.
@@ -85,17 +87,17 @@ fn unknown_landmarks_and_outliers_change_nothing() {
     assert!(!wrong_number.accepted() && wrong_number.nis().unwrap() > 100.0);
     assert_eq!(*ekf.belief(), start);
     for sight in [
-        Sight::RangeBearing { range: -1.0, bearing: 0.0 },
-        Sight::RangeBearing { range: 1.0, bearing: f64::NAN },
-        Sight::Range { range: f64::INFINITY },
+        Observed::RangeBearing { range: -1.0, bearing: 0.0 },
+        Observed::RangeBearing { range: 1.0, bearing: f64::NAN },
+        Observed::Range { range: f64::INFINITY },
     ] {
-        assert!(ekf.correct(&map(), &Sighting { landmark: 1, sight }).is_err());
+        assert!(ekf.correct(&map(), &LandmarkObservation { landmark: 1, sight }).is_err());
     }
     assert!(ekf.predict(Twist2::forward(f64::NAN, 0.0), 0.1).is_err());
     assert!(ekf.predict(Twist2::ZERO, -0.1).is_err());
     assert_eq!(*ekf.belief(), start);
     let noiseless =
-        LandmarkSettings { sight_noise: LandmarkNoise::NONE, ..LandmarkSettings::default() };
+        LandmarkSettings { observation_noise: LandmarkNoise::NONE, ..LandmarkSettings::default() };
     assert!(LandmarkEkf::new(start, noiseless).is_err());
 }
 
@@ -103,14 +105,14 @@ fn unknown_landmarks_and_outliers_change_nothing() {
 #[test]
 fn each_kind_of_sight_finds_the_pose() {
     let truth = Pose2::new(0.7, -0.4, 0.3);
-    for kind in [SightKind::RangeBearing, SightKind::Range, SightKind::Bearing] {
+    for kind in [ObservedKind::RangeBearing, ObservedKind::Range, ObservedKind::Bearing] {
         let camera =
             LandmarkCamera { kind, noise: LandmarkNoise::NONE, ..LandmarkCamera::default() };
         let start = pose_belief(Pose2::new(0.5, -0.1, 0.3), [0.3, 0.3, 0.1]);
         let mut ekf = LandmarkEkf::new(start, LandmarkSettings::default()).unwrap();
         for _ in 0..20 {
-            for sighting in camera.observe(&map(), truth, &mut stream(1, "camera")) {
-                assert!(ekf.correct(&map(), &sighting).unwrap().accepted());
+            for observation in camera.observe(&map(), truth, &mut stream(1, "camera")) {
+                assert!(ekf.correct(&map(), &observation).unwrap().accepted());
             }
         }
         let found = ekf.belief().pose();
@@ -127,7 +129,7 @@ fn late_measurements_end_where_punctual_ones_do() {
     let make = || LandmarkLocalizer::new(map(), LandmarkSettings::default(), 0.0, start).unwrap();
     let (mut punctual, mut late) = (make(), make());
     let twist = Twist2::forward(0.5, 0.3);
-    let mut waiting: Vec<(f64, Vec<Sighting>)> = Vec::new();
+    let mut waiting: Vec<(f64, Vec<LandmarkObservation>)> = Vec::new();
     for k in 0..100 {
         let stamp = 0.05 * f64::from(k);
         punctual.velocity(stamp, twist).unwrap();
@@ -135,24 +137,24 @@ fn late_measurements_end_where_punctual_ones_do() {
         let truth = Integration::ExactArc.step(Pose2::IDENTITY, twist, stamp);
         // Every fifth step a measurement, every tenth two at one stamp; between them none.
         for _ in 0..[2, 0, 0, 0, 0, 1, 0, 0, 0, 0][k as usize % 10] {
-            let sightings = camera.observe(&map(), truth, &mut rng);
-            punctual.sightings(stamp, &sightings).unwrap();
-            waiting.push((stamp, sightings));
+            let observations = camera.observe(&map(), truth, &mut rng);
+            punctual.observations(stamp, &observations).unwrap();
+            waiting.push((stamp, observations));
         }
         // They reach the second filter 0.4 s late.
         while waiting.first().is_some_and(|(seen, _)| seen + 0.4 <= stamp) {
-            let (seen, sightings) = waiting.remove(0);
-            late.sightings(seen, &sightings).unwrap();
+            let (seen, observations) = waiting.remove(0);
+            late.observations(seen, &observations).unwrap();
         }
     }
-    for (seen, sightings) in waiting {
-        late.sightings(seen, &sightings).unwrap();
+    for (seen, observations) in waiting {
+        late.observations(seen, &observations).unwrap();
     }
     let (a, b) = (punctual.estimate(6.0).unwrap(), late.estimate(6.0).unwrap());
     assert_eq!(a, b);
     let truth = Integration::ExactArc.step(Pose2::IDENTITY, twist, 6.0);
     assert!(a.pose().distance(truth) < 0.2);
-    assert!(matches!(late.sightings(1.0, &[]), Err(Error::TooLate { .. })));
+    assert!(matches!(late.observations(1.0, &[]), Err(Error::TooLate { .. })));
 }
 
 /// Between inputs the held velocity carries the estimate, and asking changes nothing.

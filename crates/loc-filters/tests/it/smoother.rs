@@ -10,7 +10,7 @@ use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, LandmarkSmoothe
 use loc_filters::smoother::{Link, Recorded, Smoother};
 use loc_filters::{Error, ExtendedKalmanFilter, Gate, NonlinearFilter, UnscentedKalmanFilter};
 use loc_maps::{Landmark, LandmarkMap};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{
     DMatrix, DVector, Matrix1, Matrix1x2, Matrix1x3, Matrix2, Matrix3, SMatrix, Vector1, Vector2,
     Vector3,
@@ -317,16 +317,16 @@ fn drive<F: NonlinearFilter<3>>(seed: u64) -> Drive {
                 .map(|landmark| {
                     let place = truth.inverse().transform(&landmark.position.xy());
                     let range = place.coords.norm();
-                    let noise = settings.sight_noise;
-                    let sight = Sight::RangeBearing {
+                    let noise = settings.observation_noise;
+                    let sight = Observed::RangeBearing {
                         range: range + noise.range_sigma_at(range) * draw(&mut rng),
                         bearing: place.y.atan2(place.x) + noise.bearing_sigma * draw(&mut rng),
                     };
-                    Sighting { landmark: landmark.id, sight }
+                    LandmarkObservation { landmark: landmark.id, sight }
                 })
                 .collect();
-            let outcomes = smoother.sightings(after, &seen).unwrap();
-            for (ours, theirs) in outcomes.iter().zip(online.sightings(after, &seen).unwrap()) {
+            let outcomes = smoother.observations(after, &seen).unwrap();
+            for (ours, theirs) in outcomes.iter().zip(online.observations(after, &seen).unwrap()) {
                 assert_eq!(ours.accepted(), theirs.accepted());
                 assert_relative_eq!(ours.nis().unwrap(), theirs.nis().unwrap(), epsilon = 1e-9);
             }
@@ -412,8 +412,8 @@ fn inputs_out_of_order_are_refused() {
         drive.mark(f64::NAN).is_err()
             && drive.velocity(7.0, Twist2::forward(f64::NAN, 0.0)).is_err()
     );
-    let bad = Sighting { landmark: 1, sight: Sight::Range { range: -1.0 } };
-    assert!(drive.sightings(6.5, &[bad]).is_err());
+    let bad = LandmarkObservation { landmark: 1, sight: Observed::Range { range: -1.0 } };
+    assert!(drive.observations(6.5, &[bad]).is_err());
     let smoothed = drive.smooth().unwrap();
     assert_eq!(smoothed.len(), 2);
     assert_relative_eq!(smoothed[1].mean.x, 1.0, epsilon = 1e-12);

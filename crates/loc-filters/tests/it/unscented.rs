@@ -8,7 +8,7 @@ use loc_filters::kalman::{LinearMeasurement, LinearMotion};
 use loc_filters::landmark::{LandmarkEkf, LandmarkSettings, LandmarkUkf};
 use loc_filters::{ExtendedKalmanFilter, Gate, KalmanFilter, UnscentedKalmanFilter};
 use loc_maps::{Landmark, LandmarkMap};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{
     Matrix1, Matrix1x2, Matrix1x4, Matrix2, Matrix4, SMatrix, SVector, Vector1, Vector2, Vector4,
 };
@@ -164,18 +164,18 @@ fn a_near_landmark_is_expected_as_it_is_seen() {
     let map = LandmarkMap::new([Landmark::planar(1, 1.5, 0.0)]).unwrap();
     let start = pose_belief(Pose2::IDENTITY, [0.05, 0.8, 0.01]);
     let mut settings = LandmarkSettings { gate_probability: 1.0, ..LandmarkSettings::default() };
-    settings.sight_noise.range_sigma = 0.05;
+    settings.observation_noise.range_sigma = 0.05;
     let mut rng = stream(4, "draws");
     let ranges: Vec<f64> = (0..100_000)
         .map(|_| start.sample(&mut rng))
         .map(|pose| f64::hypot(1.5 - pose.x, pose.y))
         .collect();
     let mean = ranges.iter().sum::<f64>() / ranges.len() as f64;
-    let sighting = Sighting { landmark: 1, sight: Sight::Range { range: mean } };
+    let observation = LandmarkObservation { landmark: 1, sight: Observed::Range { range: mean } };
     let mut ukf = LandmarkUkf::new(start, settings).unwrap();
     let mut ekf = LandmarkEkf::new(start, settings).unwrap();
-    assert!(ukf.correct(&map, &sighting).unwrap().nis().unwrap() < 0.02);
-    assert!(ekf.correct(&map, &sighting).unwrap().nis().unwrap() > 5.0, "0.2 m that it denies");
+    assert!(ukf.correct(&map, &observation).unwrap().nis().unwrap() < 0.02);
+    assert!(ekf.correct(&map, &observation).unwrap().nis().unwrap() > 5.0, "0.2 m that it denies");
     assert!(ukf.belief().mean.x.abs() < 0.02 && ekf.belief().mean.x < -0.08);
     // A motion, too, through the common code.
     ukf.predict(Twist2::forward(1.0, 0.1), 0.5).unwrap();

@@ -27,7 +27,7 @@ pub struct ScanFit<'a> {
 }
 
 /// Where fewer than this share is left to explain, a margin is not measurable.
-const LEAST_ROOM: f64 = 0.05;
+const MIN_ROOM: f64 = 0.05;
 
 /// Beams or poses that one thread looks at without a break.
 const TOGETHER: usize = 16;
@@ -39,7 +39,7 @@ impl ScanFit<'_> {
         let count = self.elsewhere.len().max(1) as f64;
         let mean = self.elsewhere.iter().sum::<f64>() / count;
         let best = self.elsewhere.iter().copied().fold(mean, f64::max);
-        (self.here - best) / (1.0 - mean).max(LEAST_ROOM)
+        (self.here - best) / (1.0 - mean).max(MIN_ROOM)
     }
 }
 

@@ -95,11 +95,11 @@ pub struct DelayEstimate {
 
 impl DelayEstimate {
     /// A delay below this changes nothing \[s\].
-    pub const LEAST: f64 = 0.01;
+    pub const MIN: f64 = 0.01;
 
-    /// Whether there is a delay: at least [`DelayEstimate::LEAST`], and three standard deviations.
+    /// Whether there is a delay: at least [`DelayEstimate::MIN`], and three standard deviations.
     pub fn is_significant(&self) -> bool {
-        self.delay.abs() >= DelayEstimate::LEAST.max(3.0 * self.sigma)
+        self.delay.abs() >= DelayEstimate::MIN.max(3.0 * self.sigma)
     }
 }
 

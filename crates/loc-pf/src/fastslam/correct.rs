@@ -1,4 +1,4 @@
-//! The correction: every particle takes the sightings in, and good particles have children.
+//! The correction: every particle takes the observations in, and good particles have children.
 
 use super::FastSlam;
 use super::look::Place;
@@ -8,40 +8,40 @@ use crate::log_weights::{Mass, divide};
 use loc_core::Pose2;
 use loc_filters::association::AssociationSettings;
 use loc_filters::slam::{Identities, SlamOutcome};
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 
 /// Particles that one thread takes at a time.
 const TOGETHER: usize = 8;
 
 impl FastSlam {
-    /// Corrects with all sightings of one moment, any number of them, and says what became of each
+    /// Corrects with all observations of one moment, any number of them, and says what became of each
     /// in the eyes of the particle that they suit best.
     ///
-    /// Sightings are taken in groups of [`AssociationSettings::GROUP`]; the poses are drawn with
+    /// LandmarkObservations are taken in groups of [`AssociationSettings::GROUP`]; the poses are drawn with
     /// the first group, and the others weigh them.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for a sighting that is not finite or has a negative range:
+    /// [`loc_core::Error::OutOfRange`] for an observation that is not finite or has a negative range:
     /// none is then used. [`loc_filters::Error::LostPositivity`], with the step: the filter cannot
     /// go on.
-    pub fn correct(&mut self, sightings: &[Sighting]) -> Result<Vec<SlamOutcome>> {
-        Ok(self.take_in(sightings)?)
+    pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<SlamOutcome>> {
+        Ok(self.take_in(observations)?)
     }
 
     pub(super) fn take_in(
         &mut self,
-        sightings: &[Sighting],
+        observations: &[LandmarkObservation],
     ) -> loc_filters::Result<Vec<SlamOutcome>> {
-        for sighting in sightings {
-            sighting.sight.check()?;
+        for observation in observations {
+            observation.sight.check()?;
         }
-        if sightings.is_empty() {
+        if observations.is_empty() {
             return Ok(Vec::new());
         }
         self.moment += 1;
         self.step += 1;
-        let mut outcomes = Vec::with_capacity(sightings.len());
-        for group in sightings.chunks(AssociationSettings::GROUP) {
+        let mut outcomes = Vec::with_capacity(observations.len());
+        for group in observations.chunks(AssociationSettings::GROUP) {
             self.register(group);
             outcomes.extend(self.take_in_group(group)?);
         }
@@ -51,7 +51,7 @@ impl FastSlam {
     }
 
     /// Widens the view by what is seen, and gives slots to new numbers.
-    fn register(&mut self, group: &[Sighting]) {
+    fn register(&mut self, group: &[LandmarkObservation]) {
         for seen in group {
             // Distance and direction do not depend on where the robot is.
             let Some(place) = Place::new(&self.settings, Pose2::IDENTITY, seen.sight) else {
@@ -60,13 +60,16 @@ impl FastSlam {
             self.view.include(&place);
             let slot = self.numbers.len();
             let numbered = self.settings.identities == Identities::Known;
-            if numbered && slot < self.settings.map.most_landmarks {
+            if numbered && slot < self.settings.map.max_landmarks {
                 self.numbers.entry(seen.landmark).or_insert(slot);
             }
         }
     }
 
-    fn take_in_group(&mut self, group: &[Sighting]) -> loc_filters::Result<Vec<SlamOutcome>> {
+    fn take_in_group(
+        &mut self,
+        group: &[LandmarkObservation],
+    ) -> loc_filters::Result<Vec<SlamOutcome>> {
         let normals = self.normals();
         let mut particles = std::mem::take(&mut self.particles);
         let parts = particles.chunks_mut(TOGETHER).zip(normals.chunks(TOGETHER));

@@ -62,8 +62,8 @@ impl FastSlam {
         let mut landmarks = Vec::new();
         if self.settings.identities == Identities::Unknown {
             self.particles[self.best].map.visit(&mut |_, mark| {
-                let super::mark::Mark { id, position, sightings, confirmed, .. } = *mark;
-                landmarks.push(MapLandmark { id, position, sightings, confirmed });
+                let super::mark::Mark { id, position, observations, confirmed, .. } = *mark;
+                landmarks.push(MapLandmark { id, position, observations, confirmed });
             });
         } else {
             landmarks.extend(self.numbers.iter().filter_map(|(&id, &slot)| self.mixed(id, slot)));
@@ -99,7 +99,7 @@ impl FastSlam {
         Some(MapLandmark {
             id,
             position: Gaussian { mean, covariance },
-            sightings: weighted().map(|(mark, _)| mark.sightings).max()?,
+            observations: weighted().map(|(mark, _)| mark.observations).max()?,
             confirmed: confirmed > 0.5 * total,
         })
     }

@@ -7,11 +7,11 @@ use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Twist2};
 use loc_filters::delayed::{DelayedFilter, Step};
 use loc_filters::slam::{MapLandmark, SlamOutcome};
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 
 /// FastSLAM over stamped inputs, in order or late.
 ///
-/// A velocity holds from its stamp until the next one. Sightings may come between velocities,
+/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
 /// several at one stamp, up to a horizon late, or not at all: the result is the same as if all had
 /// come in order. For late ones the filter is kept as it was before every input within the horizon;
 /// these copies share their maps.
@@ -32,7 +32,7 @@ struct Held {
 #[derive(Debug, Clone)]
 enum Input {
     Velocity(Twist2),
-    Sightings(Vec<Sighting>),
+    LandmarkObservations(Vec<LandmarkObservation>),
 }
 
 impl FastSlamLocalizer {
@@ -67,8 +67,16 @@ impl FastSlamLocalizer {
     ///
     /// # Errors
     /// [`loc_filters::Error::TooLate`], and what [`FastSlam::correct`] refuses.
-    pub fn sightings(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<Vec<SlamOutcome>> {
-        Ok(self.filter.input("sightings", stamp, Input::Sightings(sightings.to_vec()))?)
+    pub fn observations(
+        &mut self,
+        stamp: f64,
+        observations: &[LandmarkObservation],
+    ) -> Result<Vec<SlamOutcome>> {
+        Ok(self.filter.input(
+            "observations",
+            stamp,
+            Input::LandmarkObservations(observations.to_vec()),
+        )?)
     }
 
     /// The belief about the robot at a time \[s\]: predicted from the last input before it.
@@ -136,7 +144,7 @@ impl Held {
                 self.twist = *twist;
                 Ok(Vec::new())
             }
-            Input::Sightings(sightings) => self.slam.take_in(sightings),
+            Input::LandmarkObservations(observations) => self.slam.take_in(observations),
         }
     }
 }

@@ -1,10 +1,10 @@
-//! One sighting held against one landmark of one particle.
+//! One observation held against one landmark of one particle.
 
 use super::FastSlamSettings;
 use loc_core::{Gaussian, Pose2};
 use loc_filters::slam::SlamVerdict;
 use loc_filters::{Error, Gate, Innovation, MeasurementModel, Result};
-use loc_sensors::landmark_camera::Sight;
+use loc_sensors::landmark_camera::Observed;
 use nalgebra::{
     Matrix1, Matrix2, Matrix2x3, Matrix3x2, Point2, SMatrix, SVector, Vector1, Vector2,
 };
@@ -21,12 +21,12 @@ pub(super) struct Look {
 }
 
 impl Look {
-    /// A sighting, from a robot at `pose`, of a landmark believed at `place`.
+    /// An observation, from a robot at `pose`, of a landmark believed at `place`.
     pub(super) fn new(
         settings: &FastSlamSettings,
         pose: &nalgebra::Vector3<f64>,
         place: &Vector2<f64>,
-        sight: Sight,
+        sight: Observed,
     ) -> Self {
         let model = settings.model(Point2::from(*place));
         let (expected, mut by_robot) = model.linearize(pose);
@@ -79,12 +79,12 @@ impl Look {
     }
 }
 
-/// A verdict on a sighting of a known landmark, and what it says about the particle.
+/// A verdict on an observation of a known landmark, and what it says about the particle.
 pub(super) struct Judged {
     pub(super) verdict: SlamVerdict,
     pub(super) accepted: bool,
     /// Logarithm of its likelihood. One that was turned away counts as one at the gate, so that it
-    /// does not pay to turn sightings away.
+    /// does not pay to turn observations away.
     pub(super) log_likelihood: f64,
 }
 
@@ -129,7 +129,7 @@ fn innovation<const M: usize>(
     Ok(Innovation { residual, covariance, determinant, whitened, nis, threshold, accepted })
 }
 
-/// A sighting with distance and direction, and where a robot that is right about itself would put
+/// An observation with distance and direction, and where a robot that is right about itself would put
 /// its landmark.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
@@ -143,16 +143,16 @@ impl Place {
     /// Nearer than this \[m\] a landmark has no direction.
     const NEAREST: f64 = 1e-3;
 
-    /// `None` for a sighting that has no place.
-    pub(super) fn new(settings: &FastSlamSettings, pose: Pose2, sight: Sight) -> Option<Self> {
-        let Sight::RangeBearing { range, bearing } = sight else { return None };
+    /// `None` for an observation that has no place.
+    pub(super) fn new(settings: &FastSlamSettings, pose: Pose2, sight: Observed) -> Option<Self> {
+        let Observed::RangeBearing { range, bearing } = sight else { return None };
         if range < Self::NEAREST {
             return None;
         }
         let camera = pose * settings.mounting;
         let (sin, cos) = bearing.sin_cos();
         let mean = camera.transform(&Point2::new(range * cos, range * sin)).coords;
-        let sigmas = settings.sight_variances(range).map(f64::sqrt);
+        let sigmas = settings.observation_variances(range).map(f64::sqrt);
         let (sin, cos) = (camera.theta + bearing).sin_cos();
         let (along, across) = (sigmas.x, sigmas.y * range);
         let axes = Matrix2::new(along * cos, -across * sin, along * sin, across * cos);
@@ -171,7 +171,7 @@ mod tests {
         let mounting = Pose2::new(0.2, -0.1, 0.4);
         let settings = FastSlamSettings { mounting, ..FastSlamSettings::default() };
         let (pose, place) = (Vector3::new(1.0, -2.0, 0.7), Vector2::new(3.1, 0.4));
-        let sight = Sight::RangeBearing { range: 2.0, bearing: 0.3 };
+        let sight = Observed::RangeBearing { range: 2.0, bearing: 0.3 };
         let at = |pose: Vector3<f64>, place| Look::new(&settings, &pose, &place, sight);
         let (look, step) = (at(pose, place), 1e-6);
         for k in 0..3 {

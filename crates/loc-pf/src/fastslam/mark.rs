@@ -1,7 +1,7 @@
 //! A landmark of one particle: a Kalman filter of two numbers.
 //!
 //! Whoever knows the robot's way knows that no two landmarks have anything to do with each other:
-//! given the way, the errors of all sightings are independent. So a particle needs no covariance
+//! given the way, the errors of all observations are independent. So a particle needs no covariance
 //! between landmarks.
 
 use super::look::{Look, Place};
@@ -17,11 +17,11 @@ const NO_SCORE: f64 = 1e-9;
 pub(super) struct Mark {
     pub(super) id: u32,
     pub(super) position: Gaussian<2>,
-    pub(super) sightings: u32,
+    pub(super) observations: u32,
     /// How much speaks for it, see [`MapSettings`].
     pub(super) score: f64,
     pub(super) confirmed: bool,
-    /// The moment of its last sighting, counted by the filter.
+    /// The moment of its last observation, counted by the filter.
     pub(super) seen_at: u64,
 }
 
@@ -29,7 +29,7 @@ impl Mark {
     pub(super) fn born(id: u32, place: &Place, moment: u64, map: &MapSettings) -> Self {
         let confirmed = map.confirm_score <= 1.0;
         let position = place.position;
-        Mark { id, position, sightings: 1, score: 1.0, confirmed, seen_at: moment }
+        Mark { id, position, observations: 1, score: 1.0, confirmed, seen_at: moment }
     }
 
     /// Corrects the position by a look from a pose that is taken for certain; `covariance` is that
@@ -44,11 +44,11 @@ impl Mark {
         self.position.covariance = 0.5 * (corrected + corrected.transpose());
     }
 
-    /// A sighting has spoken for it.
+    /// An observation has spoken for it.
     pub(super) fn praise(&mut self, moment: u64, map: &MapSettings) {
         self.seen_at = moment;
-        self.sightings = self.sightings.saturating_add(1);
-        self.score = (self.score + 1.0).min(map.most_score);
+        self.observations = self.observations.saturating_add(1);
+        self.score = (self.score + 1.0).min(map.max_score);
         self.confirmed |= self.score >= map.confirm_score;
     }
 

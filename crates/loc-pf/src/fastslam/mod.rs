@@ -1,15 +1,15 @@
 //! FastSLAM 2.0: particles that each draw a map of their own (I2 to I4).
 //!
 //! EKF-SLAM keeps the covariance of everything with everything, and makes up its mind once about
-//! each sighting. FastSLAM splits the question: *if the robot's way were known*, the landmarks
+//! each observation. FastSLAM splits the question: *if the robot's way were known*, the landmarks
 //! would have nothing to do with each other, and each would need but a Kalman filter of two
 //! numbers. So a particle is one way that the robot may have come, with the map that goes with it;
 //! a particle whose map fits what is seen has many children, others have none. Each decides for
 //! itself which landmark it has seen, and those that were wrong die out.
 //!
 //! Version 2.0 (Montemerlo, Thrun, Koller and Wegbreit 2003) draws the new pose not from odometry
-//! alone, but from odometry and sightings together. For a particle whose pose has mean `x` and
-//! covariance `P` since it was drawn last, and a sighting `z` of a landmark of covariance `S`,
+//! alone, but from odometry and observations together. For a particle whose pose has mean `x` and
+//! covariance `P` since it was drawn last, and an observation `z` of a landmark of covariance `S`,
 //!
 //! ```text
 //! L = G_s P G_s^T + G_m S G_m^T + R        how far z may be from its expectation
@@ -17,19 +17,19 @@
 //! weight *= N(z; h, L)                     pose ~ N(x', P')
 //! ```
 //!
-//! one sighting after the other, and the landmarks are corrected from the pose that was drawn. So
-//! precise sightings do not kill all particles but a few: they are where the sightings are.
+//! one observation after the other, and the landmarks are corrected from the pose that was drawn. So
+//! precise observations do not kill all particles but a few: they are where the observations are.
 //!
 //! [`FastSlam`] takes steps; [`FastSlamLocalizer`] around it takes stamped inputs as they come.
 //!
 //! ```
 //! use loc_core::{Gaussian, Pose2, Twist2, random::stream};
 //! use loc_pf::fastslam::{FastSlam, FastSlamSettings};
-//! use loc_sensors::landmark_camera::{Sight, Sighting};
+//! use loc_sensors::landmark_camera::{Observed, LandmarkObservation};
 //!
 //! let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
 //! let mut slam = FastSlam::new(start, FastSlamSettings::default(), stream(1, "fastslam"))?;
-//! let see = |range| Sighting { landmark: 7, sight: Sight::RangeBearing { range, bearing: 0.0 } };
+//! let see = |range| LandmarkObservation { landmark: 7, sight: Observed::RangeBearing { range, bearing: 0.0 } };
 //! slam.correct(&[see(4.0)])?;
 //! slam.predict(Twist2::forward(1.0, 0.0), 1.0)?;
 //! slam.correct(&[see(2.9)])?;
@@ -65,7 +65,7 @@ use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
 use view::View;
 
-/// The variance of the heading \[rad^2\] up to which a drive without sightings is taken for a
+/// The variance of the heading \[rad^2\] up to which a drive without observations is taken for a
 /// normal distribution; beyond, the poses are drawn.
 const WIDEST_HEADING: f64 = 0.01;
 

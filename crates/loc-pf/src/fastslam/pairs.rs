@@ -1,9 +1,9 @@
-//! Sightings without numbers, held against the landmarks of one particle.
+//! LandmarkObservations without numbers, held against the landmarks of one particle.
 
 use super::look::{Look, Place};
 use super::particle::{Knowledge, Particle};
 use loc_filters::association::{PairInnovation, Pairing};
-use loc_sensors::landmark_camera::Sight;
+use loc_sensors::landmark_camera::Observed;
 use nalgebra::{Matrix2, Matrix3};
 
 /// Distance and direction are curved coordinates; a bound on a distance must hold in them too.
@@ -11,12 +11,12 @@ const SLACK: f64 = 2.0;
 
 /// The looks of all pairs that are not out of the question.
 pub(super) struct Pairs {
-    /// The landmarks that are near any of the sightings.
+    /// The landmarks that are near any of the observations.
     slots: Vec<usize>,
     robot: Matrix3<f64>,
-    /// For each sighting its density, were it of something new.
+    /// For each observation its density, were it of something new.
     elsewhere: Vec<f64>,
-    /// For each sighting and each of the landmarks the look and the residual's covariance.
+    /// For each observation and each of the landmarks the look and the residual's covariance.
     looks: Vec<Option<(Look, Matrix2<f64>)>>,
 }
 
@@ -41,7 +41,7 @@ impl Pairs {
             }
         });
         let looks = places.iter().flat_map(|place| {
-            let sight = Sight::RangeBearing { range: place.range, bearing: place.bearing };
+            let sight = Observed::RangeBearing { range: place.range, bearing: place.bearing };
             let marks = marks.iter();
             marks.map(move |mark| {
                 let squared = (place.position.mean - mark.mean).norm_squared();
@@ -70,13 +70,13 @@ impl Pairs {
         self.slots[landmark]
     }
 
-    fn look(&self, (sighting, landmark): (usize, usize)) -> Option<&(Look, Matrix2<f64>)> {
-        self.looks.get(sighting * self.slots.len() + landmark)?.as_ref()
+    fn look(&self, (observation, landmark): (usize, usize)) -> Option<&(Look, Matrix2<f64>)> {
+        self.looks.get(observation * self.slots.len() + landmark)?.as_ref()
     }
 }
 
 impl Pairing<2> for Pairs {
-    fn sightings(&self) -> usize {
+    fn observations(&self) -> usize {
         self.elsewhere.len()
     }
 
@@ -84,13 +84,13 @@ impl Pairing<2> for Pairs {
         self.slots.len()
     }
 
-    fn innovation(&self, sighting: usize, landmark: usize) -> Option<PairInnovation<2>> {
-        let (look, covariance) = self.look((sighting, landmark))?;
+    fn innovation(&self, observation: usize, landmark: usize) -> Option<PairInnovation<2>> {
+        let (look, covariance) = self.look((observation, landmark))?;
         Some(PairInnovation { residual: look.residual, covariance: *covariance })
     }
 
-    fn elsewhere(&self, sighting: usize) -> f64 {
-        self.elsewhere[sighting]
+    fn elsewhere(&self, observation: usize) -> f64 {
+        self.elsewhere[observation]
     }
 
     /// What is left open of the robot's pose since the last time it was drawn.

@@ -10,11 +10,11 @@ use loc_core::{Gaussian, Pose2, angle};
 use loc_filters::association::Associator;
 use loc_filters::slam::{Identities, SlamOutcome, SlamVerdict};
 use loc_filters::{Gate, Result};
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 
-/// What a sighting is until something better is known of it.
+/// What an observation is until something better is known of it.
 const UNPLACEABLE: SlamOutcome = SlamOutcome { landmark: None, verdict: SlamVerdict::Unplaceable };
 
 /// A pose with what odometry leaves open since it was drawn last, and a map.
@@ -35,20 +35,20 @@ pub(super) struct Knowledge<'a> {
     pub(super) view: View,
     /// Slot of each number that is read off landmarks.
     pub(super) numbers: &'a BTreeMap<u32, usize>,
-    /// Counts the calls with sightings.
+    /// Counts the calls with observations.
     pub(super) moment: u64,
     /// Counts motions and corrections, for errors.
     pub(super) step: u64,
 }
 
-/// What a particle made of the sightings of a moment.
+/// What a particle made of the observations of a moment.
 #[derive(Debug, Default)]
 pub(super) struct Report {
     pub(super) log_likelihood: f64,
     pub(super) outcomes: Vec<SlamOutcome>,
 }
 
-/// What a sighting turned out to be, before the pose is drawn.
+/// What an observation turned out to be, before the pose is drawn.
 #[derive(Debug, Clone, Copy)]
 enum Fate {
     /// Of the landmark in this slot.
@@ -66,13 +66,13 @@ impl Particle {
         Pose2::from_vector(&self.belief.mean)
     }
 
-    /// Takes in a group of sightings: finds their landmarks, draws a pose that suits both odometry
-    /// and sightings, and corrects each landmark from there.
+    /// Takes in a group of observations: finds their landmarks, draws a pose that suits both odometry
+    /// and observations, and corrects each landmark from there.
     // ANCHOR: take-in
     pub(super) fn take_in(
         &mut self,
         knowledge: &Knowledge<'_>,
-        group: &[Sighting],
+        group: &[LandmarkObservation],
         normals: &Vector3<f64>,
     ) -> Result<Report> {
         let mut report = Report { log_likelihood: 0.0, outcomes: vec![UNPLACEABLE; group.len()] };
@@ -97,27 +97,28 @@ impl Particle {
     fn recognize(
         &self,
         knowledge: &Knowledge<'_>,
-        group: &[Sighting],
+        group: &[LandmarkObservation],
         report: &mut Report,
     ) -> Result<Vec<Fate>> {
         if knowledge.settings.identities == Identities::Known {
-            let fate = |seen: &Sighting| {
+            let fate = |seen: &LandmarkObservation| {
                 let slot = knowledge.numbers.get(&seen.landmark);
                 slot.filter(|slot| self.map.get(**slot).is_some())
                     .map_or(Fate::New, |&s| Fate::Of(s))
             };
             return Ok(group.iter().map(fate).collect());
         }
-        let place = |seen: &Sighting| Place::new(knowledge.settings, self.pose(), seen.sight);
+        let place =
+            |seen: &LandmarkObservation| Place::new(knowledge.settings, self.pose(), seen.sight);
         let places: Vec<Option<Place>> = group.iter().map(place).collect();
         let placed: Vec<Place> = places.iter().flatten().copied().collect();
         let pairs = Pairs::new(knowledge, self, &placed);
         let association = knowledge.associator.associate(&pairs)?;
         let mut fates = vec![Fate::Nothing; group.len()];
         let indices = (0..group.len()).filter(|&k| places[k].is_some());
-        for (sighting, k) in indices.enumerate() {
-            let nis = association.nearest[sighting];
-            fates[k] = match association.partners[sighting] {
+        for (observation, k) in indices.enumerate() {
+            let nis = association.nearest[observation];
+            fates[k] = match association.partners[observation] {
                 Some(landmark) => Fate::Of(pairs.slot(landmark)),
                 None if nis > knowledge.new_landmark_gate => Fate::New,
                 None => {
@@ -127,21 +128,21 @@ impl Particle {
             };
             if !matches!(fates[k], Fate::Of(_)) {
                 // It was seen, and this particle knows of nothing there.
-                let density = knowledge.view.density(placed[sighting].range);
+                let density = knowledge.view.density(placed[observation].range);
                 report.log_likelihood += (knowledge.settings.new_share * density).ln();
             }
         }
         Ok(fates)
     }
 
-    /// Takes a sighting into the distribution that the pose will be drawn from, which is what sets
+    /// Takes an observation into the distribution that the pose will be drawn from, which is what sets
     /// FastSLAM 2.0 apart: `K = P G_s^T L^-1`, `L = G_s P G_s^T + G_m S G_m^T + R`.
     // ANCHOR: propose
     fn propose(
         &mut self,
         knowledge: &Knowledge<'_>,
         slot: usize,
-        seen: &Sighting,
+        seen: &LandmarkObservation,
         log_likelihood: &mut f64,
     ) -> Result<SlamOutcome> {
         let Some(mark) = self.map.get(slot) else { return Ok(UNPLACEABLE) };
@@ -174,7 +175,7 @@ impl Particle {
         &mut self,
         knowledge: &Knowledge<'_>,
         slot: usize,
-        seen: &Sighting,
+        seen: &LandmarkObservation,
         accepted: bool,
     ) -> Result<()> {
         let pose = self.belief.mean;
@@ -194,15 +195,19 @@ impl Particle {
         Ok(())
     }
 
-    /// A sighting of something that was not in the map when its group began.
-    fn welcome(&mut self, knowledge: &Knowledge<'_>, seen: &Sighting) -> Result<SlamOutcome> {
+    /// An observation of something that was not in the map when its group began.
+    fn welcome(
+        &mut self,
+        knowledge: &Knowledge<'_>,
+        seen: &LandmarkObservation,
+    ) -> Result<SlamOutcome> {
         let settings = knowledge.settings;
         let Some(place) = Place::new(settings, self.pose(), seen.sight) else {
             return Ok(UNPLACEABLE);
         };
         let full = SlamOutcome { landmark: None, verdict: SlamVerdict::MapFull };
         if settings.identities == Identities::Unknown {
-            if self.map.len() >= settings.map.most_landmarks {
+            if self.map.len() >= settings.map.max_landmarks {
                 return Ok(full);
             }
             let id = self.next_number;
@@ -213,7 +218,7 @@ impl Particle {
         let id = seen.landmark;
         let Some(&slot) = knowledge.numbers.get(&id) else { return Ok(full) };
         if self.map.get(slot).is_some() {
-            // It was born a moment ago, by another sighting of the same group.
+            // It was born a moment ago, by another observation of the same group.
             let mut unused = 0.0;
             let outcome = self.propose(knowledge, slot, seen, &mut unused)?;
             self.learn(knowledge, slot, seen, outcome.accepted())?;

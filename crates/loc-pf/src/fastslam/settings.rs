@@ -22,19 +22,19 @@ pub struct FastSlamSettings {
     pub integration: Integration,
     /// How far odometry may be off.
     pub motion_noise: VelocityNoise,
-    /// How far sightings may be off.
-    pub sight_noise: LandmarkNoise,
+    /// How far observations may be off.
+    pub observation_noise: LandmarkNoise,
     /// The camera's pose on the robot, `base_from_camera`.
     pub mounting: Pose2,
     /// Whether landmarks can be told apart by their numbers.
     pub identities: Identities,
-    /// Share of right sightings of a landmark that the gate lets pass, 1 for no gate.
+    /// Share of right observations of a landmark that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
     /// How landmarks without numbers are told apart, by each particle for itself.
     pub association: AssociationSettings,
     /// What becomes of landmarks in the map. FastSLAM has no use for `merge_ratio`.
     pub map: MapSettings,
-    /// Share of sightings, in (0, 1], that a particle expects to be of something new. Without
+    /// Share of observations, in (0, 1], that a particle expects to be of something new. Without
     /// numbers on landmarks only.
     pub new_share: f64,
     /// Probability, in (0, 1], that a landmark in the middle of the view is not seen. Without
@@ -54,7 +54,7 @@ impl Default for FastSlamSettings {
             particles: 200,
             integration: Integration::ExactArc,
             motion_noise: VelocityNoise::default(),
-            sight_noise: LandmarkNoise::default(),
+            observation_noise: LandmarkNoise::default(),
             mounting: Pose2::IDENTITY,
             identities: Identities::Known,
             gate_probability: 0.999,
@@ -75,7 +75,7 @@ impl FastSlamSettings {
     pub const ASSOCIATION: AssociationSettings = AssociationSettings {
         rule: Rule::MaximumLikelihood,
         gate_probability: 0.999,
-        least_ratio: 1.0,
+        min_ratio: 1.0,
         search_limit: 5_000,
     };
 
@@ -89,9 +89,9 @@ impl FastSlamSettings {
             let (what, expected) = ("particles", "at least 1");
             return Err(loc_core::Error::Length { what, expected, found: 0 }.into());
         }
-        self.sight_noise.check()?;
-        positive("sigma of the range [m]", self.sight_noise.range_sigma)?;
-        positive("sigma of the bearing [rad]", self.sight_noise.bearing_sigma)?;
+        self.observation_noise.check()?;
+        positive("sigma of the range [m]", self.observation_noise.range_sigma)?;
+        positive("sigma of the bearing [rad]", self.observation_noise.bearing_sigma)?;
         self.motion_noise.check()?;
         for value in [self.mounting.x, self.mounting.y, self.mounting.theta] {
             finite("mounting of the camera [m, m, rad]", value)?;
@@ -99,7 +99,7 @@ impl FastSlamSettings {
         let map = &self.map;
         let allowed = |most: f64| most.is_finite() && most >= map.confirm_score;
         let expected = "at least the score to confirm";
-        in_range("most score of a landmark", expected, map.most_score, allowed)?;
+        in_range("most score of a landmark", expected, map.max_score, allowed)?;
         positive("score that confirms a landmark", map.confirm_score)?;
         non_negative("cost of not seeing a landmark", map.miss_cost)?;
         non_negative("cost of contradicting a landmark", map.contradiction_cost)?;
@@ -119,11 +119,11 @@ impl FastSlamSettings {
     }
 
     pub(super) fn model(&self, landmark: Point2<f64>) -> RangeBearingModel {
-        RangeBearingModel { landmark, mounting: self.mounting, noise: self.sight_noise }
+        RangeBearingModel { landmark, mounting: self.mounting, noise: self.observation_noise }
     }
 
     /// Variances of distance and direction of something at a distance \[m\].
-    pub(super) fn sight_variances(&self, range: f64) -> Vector2<f64> {
+    pub(super) fn observation_variances(&self, range: f64) -> Vector2<f64> {
         self.model(Point2::origin()).noise(&Vector2::new(range, 0.0)).diagonal()
     }
 }

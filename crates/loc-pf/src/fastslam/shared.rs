@@ -1,6 +1,6 @@
 //! A list whose copies share what they have in common.
 //!
-//! A particle that is drawn several times hands its whole map to each copy, and the next sighting
+//! A particle that is drawn several times hands its whole map to each copy, and the next observation
 //! changes a landmark or two. So the list is a tree with [`WIDTH`] branches at each node, and
 //! copies share nodes: a copy costs one reference, a change the nodes on the way to it.
 

@@ -15,8 +15,8 @@ impl View {
     /// The part of the view in which a landmark should be seen.
     const MIDDLE: f64 = 0.7;
     /// The least that a camera is taken to see \[m, rad\].
-    const LEAST_RANGE: f64 = 1.0;
-    const LEAST_BEARING: f64 = 0.25;
+    const MIN_RANGE: f64 = 1.0;
+    const MIN_BEARING: f64 = 0.25;
     /// A provisional landmark that is farther away than this, in ranges, has had its chance.
     const GONE: f64 = 1.5;
 
@@ -26,10 +26,10 @@ impl View {
     }
 
     /// Density in distance and direction of something new that is anywhere in the view, where a
-    /// sighting at distance `range` \[m\] was: in polar coordinates far things are denser.
+    /// observation at distance `range` \[m\] was: in polar coordinates far things are denser.
     pub(super) fn density(&self, range: f64) -> f64 {
         let (farthest, widest) =
-            (self.range.max(Self::LEAST_RANGE), self.bearing.max(Self::LEAST_BEARING));
+            (self.range.max(Self::MIN_RANGE), self.bearing.max(Self::MIN_BEARING));
         range / (farthest * farthest * widest)
     }
 

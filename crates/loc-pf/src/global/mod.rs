@@ -84,10 +84,10 @@ use pyramid::Pyramid;
 use zones::Answer;
 
 /// Most beams times headings of a search: 1 GiB of ends.
-const MOST_ENDS: usize = 1 << 27;
+const MAX_ENDS: usize = 1 << 27;
 
 /// Most beams: their codes add up to less than 2^32.
-const MOST_BEAMS: usize = 1 << 24;
+const MAX_BEAMS: usize = 1 << 24;
 
 /// A map made ready for searches.
 #[derive(Debug)]
@@ -147,7 +147,7 @@ impl GlobalSearch {
     /// 2^27 over the number of headings.
     pub fn search(&self, endpoints: &Endpoints) -> Result<Vec<Candidate>> {
         let headings = self.settings.headings();
-        if endpoints.is_empty() || endpoints.len() > MOST_BEAMS.min(MOST_ENDS / headings) {
+        if endpoints.is_empty() || endpoints.len() > MAX_BEAMS.min(MAX_ENDS / headings) {
             let expected = "1 to 2^24, and no more than 2^27 / headings";
             let (what, found) = ("beams of a global search", endpoints.len());
             return Err(loc_core::Error::Length { what, expected, found }.into());

@@ -15,7 +15,7 @@ pub(super) const GROUP: usize = 32;
 const MANY: usize = 1 << 25;
 
 /// Most bytes of a level: places in it fit into 31 bits.
-const MOST_BYTES: usize = 3 << 29;
+const MAX_BYTES: usize = 3 << 29;
 
 /// The levels of a map.
 #[derive(Debug, Clone)]
@@ -49,7 +49,7 @@ impl Pyramid {
         };
         let shifts = (0..=top).step_by(2);
         let largest = shifts.clone().map(|shift| layout(shift).bytes(size)).max().unwrap_or(0);
-        if largest > MOST_BYTES {
+        if largest > MAX_BYTES {
             let (what, expected) = ("map of a global search", "at most 1.5 GiB a level");
             return Err(Error::Core(loc_core::Error::Length { what, expected, found: largest }));
         }

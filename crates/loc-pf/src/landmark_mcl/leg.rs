@@ -1,4 +1,4 @@
-//! A stretch of the drive between two sightings, drawn at once.
+//! A stretch of the drive between two observations, drawn at once.
 //!
 //! Odometry speaks far more often than landmarks are seen. The velocities in between are put
 //! together to one motion, normally distributed in the frame of its start (E6, E7); a particle then

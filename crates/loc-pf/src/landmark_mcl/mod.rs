@@ -1,23 +1,23 @@
 //! Monte Carlo localization with landmarks whose places are known (M5).
 //!
-//! A cloud of particles drives as the odometry says, each with an error of its own; every sighting
+//! A cloud of particles drives as the odometry says, each with an error of its own; every observation
 //! of a landmark favours those that would have seen it so. Unlike the extended Kalman filter it
-//! needs no start pose, holds several possible places apart until a sighting decides, and finds
+//! needs no start pose, holds several possible places apart until an observation decides, and finds
 //! back after it was carried away. It takes the same stamped inputs, late ones included.
 //!
 //! ```
 //! use loc_core::{Pose2, Twist2, gaussian::pose_belief, random::stream};
 //! use loc_maps::{Landmark, LandmarkMap};
 //! use loc_pf::{LandmarkMcl, LandmarkMclSettings};
-//! use loc_sensors::landmark_camera::{Sight, Sighting};
+//! use loc_sensors::landmark_camera::{Observed, LandmarkObservation};
 //!
 //! let map = LandmarkMap::new([Landmark::planar(1, 4.0, 0.0), Landmark::planar(2, 0.0, 3.0)])?;
 //! let start = pose_belief(Pose2::IDENTITY, [0.5, 0.5, 0.1]);
 //! let settings = LandmarkMclSettings::default();
 //! let mut mcl = LandmarkMcl::new(map, settings, 0.0, &start, stream(1, "mcl"))?;
 //! mcl.velocity(0.0, Twist2::forward(1.0, 0.0))?;
-//! let sight = Sight::RangeBearing { range: 2.0, bearing: 0.0 };
-//! mcl.sightings(2.0, &[Sighting { landmark: 1, sight }])?;
+//! let sight = Observed::RangeBearing { range: 2.0, bearing: 0.0 };
+//! mcl.observations(2.0, &[LandmarkObservation { landmark: 1, sight }])?;
 //! assert!((mcl.estimate(2.5)?.mean.x - 2.5).abs() < 0.2);
 //! # Ok::<(), loc_pf::Error>(())
 //! ```
@@ -30,7 +30,7 @@ mod update;
 mod velocities;
 
 pub use settings::{LandmarkMclSettings, RecoverySettings};
-pub use update::SightingUpdate;
+pub use update::ObservationUpdate;
 
 use crate::estimate::moments;
 use crate::{ParticleFilter, Particles, Result, Workers};
@@ -39,18 +39,18 @@ use loc_core::error::finite;
 use loc_core::motion::{Twist2, dead_reckon};
 use loc_core::random::ChaCha8Rng;
 use loc_maps::{Bounds, LandmarkMap};
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 use past::Moment;
 use recovery::Fit;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use velocities::Velocities;
 
-/// Monte Carlo localization over stamped velocities and sightings, in order or late.
+/// Monte Carlo localization over stamped velocities and observations, in order or late.
 ///
-/// A velocity holds from its stamp until the next one. Sightings may come between velocities,
+/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
 /// several at one stamp, up to the settings' `horizon` late, or not at all: the result is the same,
-/// to the bit, as if all had come in order. For that the cloud before each sighting of the last
+/// to the bit, as if all had come in order. For that the cloud before each observation of the last
 /// `horizon` is kept, 32 bytes a particle.
 #[derive(Debug)]
 pub struct LandmarkMcl {
@@ -61,7 +61,7 @@ pub struct LandmarkMcl {
     filter: ParticleFilter,
     state: State,
     velocities: Velocities,
-    /// The sightings of the recent past.
+    /// The observations of the recent past.
     past: VecDeque<Moment>,
 }
 
@@ -73,9 +73,9 @@ struct State {
     /// What the cloud says about the pose.
     belief: Gaussian<3>,
     fit: Fit,
-    /// Whether the cloud lies anywhere and waits for its first sighting.
+    /// Whether the cloud lies anywhere and waits for its first observation.
     anywhere: bool,
-    /// Whether the last sightings made it draw a new cloud.
+    /// Whether the last observations made it draw a new cloud.
     resampled: bool,
 }
 
@@ -101,7 +101,7 @@ impl LandmarkMcl {
     }
 
     /// A robot that stands still at `stamp` \[s\] anywhere around the landmarks (A2). With the
-    /// first sightings the cloud gathers where those may have been seen from.
+    /// first observations the cloud gathers where those may have been seen from.
     ///
     /// # Errors
     /// As [`LandmarkMcl::new`].
@@ -152,7 +152,7 @@ impl LandmarkMcl {
         }
         self.check_stamp("velocity", stamp)?;
         self.velocities.insert(stamp, twist);
-        // It changes what was before a sighting after it.
+        // It changes what was before an observation after it.
         let place = self.place_after(stamp);
         self.go_back_to(place);
         self.repeat_from(place)?;
@@ -163,22 +163,26 @@ impl LandmarkMcl {
     /// Any number of landmarks seen at `stamp` \[s\].
     ///
     /// # Errors
-    /// [`crate::Error::TooLate`], and [`loc_core::Error::OutOfRange`] for sightings that are not valid,
+    /// [`crate::Error::TooLate`], and [`loc_core::Error::OutOfRange`] for observations that are not valid,
     /// none of which is then used.
-    pub fn sightings(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<SightingUpdate> {
-        self.check_stamp("sightings", stamp)?;
-        sightings.iter().try_for_each(|sighting| sighting.sight.check().map(|_| ()))?;
+    pub fn observations(
+        &mut self,
+        stamp: f64,
+        observations: &[LandmarkObservation],
+    ) -> Result<ObservationUpdate> {
+        self.check_stamp("observations", stamp)?;
+        observations.iter().try_for_each(|observation| observation.sight.check().map(|_| ()))?;
         let place = self.place_after(stamp);
         self.go_back_to(place);
         let before = self.snapshot();
-        let update = self.take_in(stamp, sightings)?;
-        self.past.insert(place, Moment { stamp, sightings: sightings.to_vec(), before });
+        let update = self.take_in(stamp, observations)?;
+        self.past.insert(place, Moment { stamp, observations: observations.to_vec(), before });
         self.repeat_from(place + 1)?;
         self.forget();
         Ok(update)
     }
 
-    /// The belief at a time \[s\]: predicted from the last sighting before it.
+    /// The belief at a time \[s\]: predicted from the last observation before it.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite.
@@ -194,17 +198,17 @@ impl LandmarkMcl {
         }))
     }
 
-    /// The cloud, at the time of the last sighting.
+    /// The cloud, at the time of the last observation.
     pub fn particles(&self) -> &Particles {
         self.filter.particles()
     }
 
-    /// The cloud as the last sightings weighed it, if it was resampled then.
+    /// The cloud as the last observations weighed it, if it was resampled then.
     pub fn weighed(&self) -> Option<&Particles> {
         self.state.resampled.then(|| self.filter.resampled_from())
     }
 
-    /// How well sightings fit, as shares of what they would without errors: in the long run and of
+    /// How well observations fit, as shares of what they would without errors: in the long run and of
     /// late. `None` before the first.
     pub fn fit(&self) -> Option<[f64; 2]> {
         self.state.fit.averages()

@@ -1,13 +1,13 @@
 //! The recent past: what came late is taken in where it belongs.
 //!
-//! Sightings are remembered with the filter as it was before them. A late input takes the filter
+//! LandmarkObservations are remembered with the filter as it was before them. A late input takes the filter
 //! back there, and what came after it is taken in again, with the same random numbers.
 
 use super::{LandmarkMcl, State};
 use crate::{Error, Particles, Result};
 use loc_core::error::finite;
 use loc_core::random::ChaCha8Rng;
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 
 /// The filter as it was at some time.
 #[derive(Debug)]
@@ -17,19 +17,19 @@ pub(super) struct Snapshot {
     rng: ChaCha8Rng,
 }
 
-/// Sightings, and the filter as it was before them.
+/// LandmarkObservations, and the filter as it was before them.
 #[derive(Debug)]
 pub(super) struct Moment {
     pub(super) stamp: f64,
-    pub(super) sightings: Vec<Sighting>,
+    pub(super) observations: Vec<LandmarkObservation>,
     pub(super) before: Snapshot,
 }
 
 impl LandmarkMcl {
     /// Time of the newest input \[s\]; `None` before the first.
     pub(super) fn newest(&self) -> Option<f64> {
-        let sightings = self.past.back().map(|moment| moment.stamp);
-        let newest = [self.velocities.newest(), sightings].into_iter().flatten();
+        let observations = self.past.back().map(|moment| moment.stamp);
+        let newest = [self.velocities.newest(), observations].into_iter().flatten();
         newest.reduce(f64::max)
     }
 
@@ -44,7 +44,7 @@ impl LandmarkMcl {
         }
     }
 
-    /// Index of the first remembered sightings after a time.
+    /// Index of the first remembered observations after a time.
     pub(super) fn place_after(&self, stamp: f64) -> usize {
         self.past.partition_point(|moment| moment.stamp <= stamp)
     }
@@ -62,14 +62,14 @@ impl LandmarkMcl {
         }
     }
 
-    /// Takes in again, from where the filter stands, the sightings from index `place` on.
+    /// Takes in again, from where the filter stands, the observations from index `place` on.
     pub(super) fn repeat_from(&mut self, place: usize) -> Result<()> {
         for place in place..self.past.len() {
             let before = self.snapshot();
-            let sightings = std::mem::take(&mut self.past[place].sightings);
+            let observations = std::mem::take(&mut self.past[place].observations);
             let stamp = self.past[place].stamp;
-            self.take_in(stamp, &sightings)?;
-            self.past[place] = Moment { stamp, sightings, before };
+            self.take_in(stamp, &observations)?;
+            self.past[place] = Moment { stamp, observations, before };
         }
         Ok(())
     }

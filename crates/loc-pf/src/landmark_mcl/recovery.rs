@@ -1,8 +1,8 @@
-//! How well the sightings fit, now and in the long run (augmented MCL).
+//! How well the observations fit, now and in the long run (augmented MCL).
 
 use super::settings::RecoverySettings;
 
-/// Two averages of the mean likelihood of a sighting, as a share of the largest that it could have.
+/// Two averages of the mean likelihood of an observation, as a share of the largest that it could have.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Fit {
     count: u32,
@@ -11,7 +11,7 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// Takes in the sightings of one moment: the logarithms of their mean likelihood over the cloud
+    /// Takes in the observations of one moment: the logarithms of their mean likelihood over the cloud
     /// and of the largest possible one, and their number. Answers with the share of particles to
     /// replace.
     pub(super) fn update(

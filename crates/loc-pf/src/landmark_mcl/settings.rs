@@ -1,6 +1,6 @@
 //! All settings of Monte Carlo localization with landmarks.
 
-use crate::sensor::landmark::SightModel;
+use crate::sensor::landmark::ObservationModel;
 use crate::{Resampling, Result};
 use loc_core::error::{in_range, non_negative, positive, probability};
 use loc_core::motion::{Integration, VelocityNoise};
@@ -16,8 +16,8 @@ pub struct LandmarkMclSettings {
     pub integration: Integration,
     /// How far odometry may be off.
     pub motion_noise: VelocityNoise,
-    /// How sightings come about.
-    pub sights: SightModel,
+    /// How observations come about.
+    pub sights: ObservationModel,
     /// How far the robot may be outside of the box around the landmarks \[m\].
     pub margin: f64,
     /// The cloud is resampled where its effective sample size falls below this share.
@@ -26,7 +26,7 @@ pub struct LandmarkMclSettings {
     pub resampling: Resampling,
     /// How far resampled particles are moved apart, as a share of what suits a normal distribution,
     /// in \[0, 1\]: copies of one particle would stay copies on a robot that stands still. At most a
-    /// quarter of a sighting's sigma.
+    /// quarter of an observation's sigma.
     pub roughening: f64,
     /// What to do when lost.
     pub recovery: RecoverySettings,
@@ -36,20 +36,20 @@ pub struct LandmarkMclSettings {
     pub threads: usize,
 }
 
-/// When sightings no longer fit, particles are put where they would (augmented MCL).
+/// When observations no longer fit, particles are put where they would (augmented MCL).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct RecoverySettings {
-    /// Decay of the slow average of how well sightings fit; also known as alpha_slow.
+    /// Decay of the slow average of how well observations fit; also known as alpha_slow.
     pub alpha_slow: f64,
     /// Decay of the fast one; 0 for no recovery. Also known as alpha_fast.
     pub alpha_fast: f64,
     /// The fast average must fall below the slow one divided by this before anything is done; the
     /// share of new particles is then `1 - fast / slow`. 1 is the textbook, which replaces a few
-    /// whenever sightings fit a little worse than usual.
+    /// whenever observations fit a little worse than usual.
     pub factor: f64,
-    /// Share of the new particles that are put where the sightings are, the others anywhere.
+    /// Share of the new particles that are put where the observations are, the others anywhere.
     pub sensor_resetting: f64,
 }
 
@@ -59,7 +59,7 @@ impl Default for LandmarkMclSettings {
             particles: 2000,
             integration: Integration::default(),
             motion_noise: VelocityNoise::default(),
-            sights: SightModel::default(),
+            sights: ObservationModel::default(),
             margin: 1.0,
             resample_below: 0.5,
             resampling: Resampling::default(),

@@ -1,4 +1,4 @@
-//! One step of the filter: drive to the sightings, weigh by them, resample.
+//! One step of the filter: drive to the observations, weigh by them, resample.
 
 use super::leg::legs;
 use super::{LandmarkMcl, State};
@@ -9,37 +9,37 @@ use loc_core::motion::dead_reckon;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Pose2, angle};
 use loc_maps::Bounds;
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
-/// What [`LandmarkMcl::sightings`] did.
+/// What [`LandmarkMcl::observations`] did.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SightingUpdate {
-    /// How far each sighting is to be trusted at the new estimate, those of unknown landmarks last.
+pub struct ObservationUpdate {
+    /// How far each observation is to be trusted at the new estimate, those of unknown landmarks last.
     pub trust: Vec<Trust>,
     /// Effective sample size after weighing.
     pub effective_sample_size: f64,
     /// Whether the cloud was resampled.
     pub resampled: bool,
-    /// Number of particles that were put elsewhere because the sightings do not fit.
+    /// Number of particles that were put elsewhere because the observations do not fit.
     pub replaced: usize,
 }
 
-/// Share of particles that a first sighting leaves anywhere: it may be wrong.
+/// Share of particles that a first observation leaves anywhere: it may be wrong.
 const LEFT_ANYWHERE: f64 = 0.1;
 
-/// Share of the particles that must carry weight after a part of the sightings.
+/// Share of the particles that must carry weight after a part of the observations.
 const ENOUGH: f64 = 0.05;
 
-/// Most parts in which sightings are taken in.
+/// Most parts in which observations are taken in.
 const STAGES: usize = 4;
 
 /// How finely the part is searched.
 const HALVINGS: usize = 8;
 
-/// Largest step of roughening, in standard deviations of a sighting.
+/// Largest step of roughening, in standard deviations of an observation.
 const LARGEST_STEP: f64 = 0.25;
 
 impl LandmarkMcl {
@@ -66,13 +66,17 @@ impl LandmarkMcl {
         });
     }
 
-    /// Takes in sightings at a time \[s\] not before the last ones.
-    pub(super) fn take_in(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<SightingUpdate> {
-        let likelihood = LandmarkLikelihood::new(&self.map, sightings, &self.settings.sights)?;
+    /// Takes in observations at a time \[s\] not before the last ones.
+    pub(super) fn take_in(
+        &mut self,
+        stamp: f64,
+        observations: &[LandmarkObservation],
+    ) -> Result<ObservationUpdate> {
+        let likelihood = LandmarkLikelihood::new(&self.map, observations, &self.settings.sights)?;
         self.drive_to(stamp);
         self.state.resampled = false;
         if likelihood.is_empty() {
-            return Ok(SightingUpdate {
+            return Ok(ObservationUpdate {
                 trust: likelihood.trust(self.state.belief.pose()).collect(),
                 effective_sample_size: self.filter.particles().effective_sample_size(),
                 resampled: false,
@@ -94,12 +98,12 @@ impl LandmarkMcl {
             self.resample(&likelihood, replaced);
             self.state.resampled = true;
         }
-        Ok(SightingUpdate { trust, effective_sample_size, resampled, replaced })
+        Ok(ObservationUpdate { trust, effective_sample_size, resampled, replaced })
     }
 
     /// Weighs the cloud; answers with the share of particles to replace.
     ///
-    /// Where only a handful of particles would carry all the weight, the sightings are taken in by
+    /// Where only a handful of particles would carry all the weight, the observations are taken in by
     /// degrees: a part of the log-likelihood that leaves enough of them, a new cloud drawn, and then
     /// the rest (progressive correction, Oudjane and Musso 2000).
     fn weigh(&mut self, likelihood: &LandmarkLikelihood) -> f64 {
@@ -139,7 +143,7 @@ impl LandmarkMcl {
         }
     }
 
-    /// Puts the cloud where the sightings may have been made.
+    /// Puts the cloud where the observations may have been made.
     fn gather(&mut self, likelihood: &LandmarkLikelihood) {
         let resetting = SensorResetting::new(likelihood, self.region);
         let (count, region) = (self.settings.particles, self.region);
@@ -150,7 +154,7 @@ impl LandmarkMcl {
         *self.filter.particles_mut() = cloud;
     }
 
-    /// Draws a new cloud, `replaced` of it from the sightings.
+    /// Draws a new cloud, `replaced` of it from the observations.
     fn resample(&mut self, likelihood: &LandmarkLikelihood, replaced: usize) {
         let kept = self.settings.particles - replaced;
         self.filter.resample(self.settings.resampling, kept);
@@ -159,8 +163,9 @@ impl LandmarkMcl {
         let share = self.settings.recovery.sensor_resetting;
         for _ in 0..replaced {
             let rng = self.filter.rng_mut();
-            let by_sight = rng.random::<f64>() < share;
-            let pose = if by_sight { resetting.draw(rng) } else { anywhere(&self.region, rng) };
+            let by_observation = rng.random::<f64>() < share;
+            let pose =
+                if by_observation { resetting.draw(rng) } else { anywhere(&self.region, rng) };
             self.filter.particles_mut().push(pose, 0.0);
         }
         self.filter.particles_mut().set_equal_weights();
@@ -209,7 +214,7 @@ fn rated(after: &[f64], before: &[f64]) -> Vec<f64> {
 }
 
 /// The largest power, up to `rest`, of the likelihood that leaves `enough` particles; all of it
-/// where not even the least part does: the sightings then contradict the cloud.
+/// where not even the least part does: the observations then contradict the cloud.
 fn bearable(before: &[f64], rated: &[f64], rest: f64, enough: f64) -> f64 {
     let (mut low, mut high) = (0.0, rest);
     for _ in 0..HALVINGS {

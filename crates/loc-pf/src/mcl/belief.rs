@@ -15,7 +15,7 @@ use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
 #[derive(Debug)]
 pub(super) struct Belief {
     pub(super) filter: ParticleFilter,
-    pub(super) most_particles: usize,
+    pub(super) max_particles: usize,
     kld: Kld,
     resampling: Resampling,
     policy: ResamplePolicy,
@@ -38,7 +38,7 @@ impl Belief {
         let suspicion = settings.recovery.suspicion;
         Ok(Belief {
             filter: ParticleFilter::new(Particles::new(), rng).with_workers(workers),
-            most_particles: settings.particles.max_particles,
+            max_particles: settings.particles.max_particles,
             kld: Kld::new(settings.particles.clone())?,
             resampling: settings.resampling,
             policy: settings.policy,

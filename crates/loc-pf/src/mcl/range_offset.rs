@@ -23,7 +23,7 @@ use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum RangeOffset {
     /// What the scans themselves say, once it is significant: at least
-    /// [`RangeOffset::LEAST_CELLS`] and three standard deviations. For the likelihood field as a
+    /// [`RangeOffset::MIN_CELLS`] and three standard deviations. For the likelihood field as a
     /// product.
     #[default]
     Estimated,
@@ -34,7 +34,7 @@ pub enum RangeOffset {
 impl RangeOffset {
     /// An offset below this changes nothing \[sides of a cell\]: half a cell lies between the face
     /// of a drawn wall and the middle of its first cell, and slanting walls have steps.
-    pub const LEAST_CELLS: f64 = 0.8;
+    pub const MIN_CELLS: f64 = 0.8;
 
     /// No offset is larger \[m\].
     pub const LARGEST: f64 = 0.15;
@@ -101,8 +101,7 @@ impl RangeOffsetEstimate {
     /// The offset where it is significant in a map of cells with this side, else 0; both \[m\].
     pub fn significant(&self, resolution: f64) -> f64 {
         let (Some(offset), Some(sigma)) = (self.offset(), self.sigma()) else { return 0.0 };
-        let is_significant =
-            offset.abs() >= (RangeOffset::LEAST_CELLS * resolution).max(3.0 * sigma);
+        let is_significant = offset.abs() >= (RangeOffset::MIN_CELLS * resolution).max(3.0 * sigma);
         if is_significant { offset.clamp(-RangeOffset::LARGEST, RangeOffset::LARGEST) } else { 0.0 }
     }
 

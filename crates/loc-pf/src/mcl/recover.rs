@@ -54,7 +54,7 @@ impl Belief {
         if places.is_empty() {
             return None;
         }
-        let count = self.most_particles.max(places.len());
+        let count = self.max_particles.max(places.len());
         let around = places.iter().cycle().take(count).copied();
         let here = std::mem::replace(self.filter.particles_mut(), Particles::from_poses(around));
         let report = self.everywhere.update(&mut self.filter, &spread, scan, count);

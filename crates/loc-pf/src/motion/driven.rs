@@ -37,7 +37,7 @@ impl NoisyStep {
     /// The step of a driven path.
     pub fn new(path: &DrivenPath, noise: &PathNoise) -> Self {
         let variances = noise.variances(path);
-        let least = [noise.least_position, noise.least_position, noise.least_heading];
+        let least = [noise.min_position, noise.min_position, noise.min_heading];
         let sigma = |k: usize, more: f64| (variances[k] + least[k].powi(2) + more.powi(2)).sqrt();
         let fault = PathNoise::fault_sigmas(path);
         let quantile = Normal::STANDARD.quantile(1.0 - noise.fault_probability);

@@ -17,7 +17,7 @@ use loc_maps::RayCaster;
 ///
 /// * with a wide belief (global localization) a beam is dropped only where it is too short nearly
 ///   everywhere the robot may be;
-/// * where more than `most_dropped` of the beams are too short, the belief is wrong rather than
+/// * where more than `max_dropped` of the beams are too short, the belief is wrong rather than
 ///   the room full, and all are kept;
 /// * beams that are too long are kept always, and tell a robot at a wrong place that it is lost;
 /// * in a room as mapped a beam has to be too short by 2.3 `sigma_hit` at all poses, which noise
@@ -33,12 +33,12 @@ pub struct DistanceFilter {
     /// Standard deviation of what measures the obstacle of the map \[m\].
     pub sigma_hit: f64,
     /// The largest share of the beams that is dropped.
-    pub most_dropped: f64,
+    pub max_dropped: f64,
 }
 
 impl Default for DistanceFilter {
     fn default() -> Self {
-        DistanceFilter { threshold: 0.99, sigma_hit: 0.2, most_dropped: 0.8 }
+        DistanceFilter { threshold: 0.99, sigma_hit: 0.2, max_dropped: 0.8 }
     }
 }
 
@@ -50,7 +50,7 @@ impl DistanceFilter {
     pub fn validate(&self) -> Result<()> {
         probability("threshold of the distance filter", self.threshold)?;
         positive("sigma_hit of the distance filter [m]", self.sigma_hit)?;
-        probability("largest share that the distance filter drops", self.most_dropped)?;
+        probability("largest share that the distance filter drops", self.max_dropped)?;
         Ok(())
     }
 
@@ -88,7 +88,7 @@ impl DistanceFilter {
         if !sample.poses().is_empty() {
             suspects.iter().for_each(|suspect| is_novel[suspect.index] = true);
         }
-        Ok(without(beams, &is_novel, self.most_dropped))
+        Ok(without(beams, &is_novel, self.max_dropped))
     }
 
     /// The probability that a range is not shorter than the expected one, `None` for one that is

@@ -13,7 +13,7 @@ use nalgebra::Point2;
 /// A beam that fits the belief sharpens it. One that hits a person moves weight to the edge of the
 /// belief, or to places that were all but ruled out. So does a beam that rightly tells the robot
 /// that it is somewhere else: with this filter alone a kidnapped robot stays lost. Where more than
-/// `most_dropped` of the beams raise the entropy, all are kept.
+/// `max_dropped` of the beams raise the entropy, all are kept.
 ///
 /// Of the density before the beam, the Gaussian with the sample's mean and covariance is taken;
 /// what the beam makes of it is counted over the sample, whatever its shape.
@@ -24,12 +24,12 @@ pub struct EntropyFilter {
     /// A rise up to this is let through \[nat\]: with a few poses the entropies are uncertain.
     pub tolerance: f64,
     /// The largest share of the beams that is dropped.
-    pub most_dropped: f64,
+    pub max_dropped: f64,
 }
 
 impl Default for EntropyFilter {
     fn default() -> Self {
-        EntropyFilter { tolerance: 0.01, most_dropped: 0.8 }
+        EntropyFilter { tolerance: 0.01, max_dropped: 0.8 }
     }
 }
 
@@ -40,7 +40,7 @@ impl EntropyFilter {
     /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
     pub fn validate(&self) -> Result<()> {
         non_negative("tolerance of the entropy filter [nat]", self.tolerance)?;
-        probability("largest share that the entropy filter drops", self.most_dropped)?;
+        probability("largest share that the entropy filter drops", self.max_dropped)?;
         Ok(())
     }
 
@@ -80,7 +80,7 @@ impl EntropyFilter {
             change(&prior, sample.weights(), &ratings) > self.tolerance
         };
         let is_novel: Vec<bool> = beams.iter().map(|&beam| raises(beam)).collect();
-        Ok(without(beams, &is_novel, self.most_dropped))
+        Ok(without(beams, &is_novel, self.max_dropped))
     }
 }
 

@@ -87,7 +87,7 @@ impl Tempering {
         let (mut exponent, mut stride) = (0.0, 1.0);
         let mut report = TemperingReport { stages: 1, log_evidence: 0.0 };
         loop {
-            let share = if report.stages < self.settings.most_stages {
+            let share = if report.stages < self.settings.max_stages {
                 self.share_of(workers, 1.0 - exponent)
             } else {
                 1.0 - exponent
@@ -125,11 +125,11 @@ impl Tempering {
         (exponent, scale): (f64, &mut f64),
         enough: f64,
     ) {
-        let spread = self.spread_of_noise().map(|spread| spread.max(LEAST));
+        let spread = self.spread_of_noise().map(|spread| spread.max(MIN));
         let count = self.log_weights.len();
         let mut moved = 0.0;
-        for _ in 0..self.settings.most_strides {
-            let strides = spread.map(|spread| (*scale * spread).clamp(LEAST, 0.95));
+        for _ in 0..self.settings.max_strides {
+            let strides = spread.map(|spread| (*scale * spread).clamp(MIN, 0.95));
             let accepted = AtomicUsize::new(0);
             filter.for_each_part(&mut self.parts, |part, rng| {
                 let walk = Walk { exponent, strides };
@@ -255,7 +255,7 @@ impl Tempering {
 }
 
 /// A stride is at least this long, in units of the noise of the motion.
-const LEAST: f64 = 0.01;
+const MIN: f64 = 0.01;
 
 /// Fewer different particles than this share of a cloud are few.
 const FEW: f64 = 0.1;

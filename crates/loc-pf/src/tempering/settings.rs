@@ -12,23 +12,23 @@ pub struct TemperingSettings {
     /// effective, in (0, 1).
     pub effective_share: f64,
     /// The most stages of an update; the last one takes in what is left.
-    pub most_stages: usize,
+    pub max_stages: usize,
     /// The share of the strides that should be accepted, in (0, 1); their length follows it.
     pub acceptance: f64,
     /// Particles walk on until there are so many accepted strides to each of them on the average ..
     pub moves: f64,
     /// .. but so many strides at the most.
-    pub most_strides: usize,
+    pub max_strides: usize,
 }
 
 impl Default for TemperingSettings {
     fn default() -> Self {
         TemperingSettings {
             effective_share: 0.5,
-            most_stages: 20,
+            max_stages: 20,
             acceptance: 0.35,
             moves: 0.5,
-            most_strides: 10,
+            max_strides: 10,
         }
     }
 }
@@ -44,10 +44,10 @@ impl TemperingSettings {
         in_range("effective_share of a stage", expected, self.effective_share, share)?;
         in_range("acceptance of the walks", expected, self.acceptance, share)?;
         positive("moves of a stage", self.moves)?;
-        let strides = self.most_strides as f64;
-        in_range("most_strides", "at least 1", strides, |v| v >= 1.0)?;
-        let stages = self.most_stages as f64;
-        in_range("most_stages", "at least 1", stages, |v| v >= 1.0)?;
+        let strides = self.max_strides as f64;
+        in_range("max_strides", "at least 1", strides, |v| v >= 1.0)?;
+        let stages = self.max_stages as f64;
+        in_range("max_stages", "at least 1", stages, |v| v >= 1.0)?;
         Ok(())
     }
 }

@@ -3,7 +3,7 @@ use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Pose2, Twist2, angle};
 use loc_filters::slam::{EkfSlam, Identities, MapLandmark, MapSettings, SlamSettings, SlamVerdict};
 use loc_pf::{Error, FastSlam, FastSlamLocalizer, FastSlamSettings};
-use loc_sensors::landmark_camera::{LandmarkNoise, Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
 use nalgebra::{Matrix3, Point2, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -18,29 +18,30 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
 }
 
 fn settings(particles: usize) -> FastSlamSettings {
-    let sight_noise = LandmarkNoise { range_sigma: 0.1, bearing_sigma: 0.05, ..Default::default() };
-    FastSlamSettings { particles, sight_noise, ..FastSlamSettings::default() }
+    let observation_noise =
+        LandmarkNoise { range_sigma: 0.1, bearing_sigma: 0.05, ..Default::default() };
+    FastSlamSettings { particles, observation_noise, ..FastSlamSettings::default() }
 }
 
 fn slam(settings: FastSlamSettings) -> FastSlam {
     FastSlam::new(certain(), settings, stream(1, "fastslam")).unwrap()
 }
 
-fn sighting(landmark: u32, range: f64, bearing: f64) -> Sighting {
-    Sighting { landmark, sight: Sight::RangeBearing { range, bearing } }
+fn observation(landmark: u32, range: f64, bearing: f64) -> LandmarkObservation {
+    LandmarkObservation { landmark, sight: Observed::RangeBearing { range, bearing } }
 }
 
 /// What a robot at `pose` sees of a landmark, with errors of so many sigmas.
-fn seen(pose: Pose2, id: u32, place: Point2<f64>, errors: [f64; 2]) -> Sighting {
+fn seen(pose: Pose2, id: u32, place: Point2<f64>, errors: [f64; 2]) -> LandmarkObservation {
     let way = pose.inverse().transform(&place);
     let bearing = way.y.atan2(way.x) + 0.05 * errors[1];
-    sighting(id, (way.coords.norm() + 0.1 * errors[0]).max(0.0), angle::wrap(bearing))
+    observation(id, (way.coords.norm() + 0.1 * errors[0]).max(0.0), angle::wrap(bearing))
 }
 
 /// A round trip past eight landmarks: each moment has the velocity over the half second before it
 /// and what is then seen.
 struct Round {
-    moments: Vec<(Twist2, Vec<Sighting>)>,
+    moments: Vec<(Twist2, Vec<LandmarkObservation>)>,
     places: Vec<Point2<f64>>,
     truth: Pose2,
 }
@@ -79,10 +80,10 @@ fn round(seed: u64, noise: &VelocityNoise, rounds: usize) -> Round {
 }
 
 fn follow(slam: &mut FastSlam, round: &Round) {
-    for (twist, sightings) in &round.moments {
+    for (twist, observations) in &round.moments {
         slam.predict(*twist, HALF).unwrap();
-        let outcomes = slam.correct(sightings).unwrap();
-        assert_eq!(outcomes.len(), sightings.len());
+        let outcomes = slam.correct(observations).unwrap();
+        assert_eq!(outcomes.len(), observations.len());
     }
 }
 
@@ -90,19 +91,19 @@ fn follow(slam: &mut FastSlam, round: &Round) {
 fn a_landmark_is_averaged_by_hand() {
     let mut slam = slam(settings(1));
     assert!(slam.landmarks().unwrap().is_empty());
-    let born = slam.correct(&[sighting(3, 4.0, 0.0)]).unwrap();
+    let born = slam.correct(&[observation(3, 4.0, 0.0)]).unwrap();
     assert_eq!((born[0].landmark, born[0].verdict), (Some(3), SlamVerdict::Born));
     let first = slam.landmarks().unwrap()[0];
     // 0.1 m along the ray, 4 m times 0.05 rad across it.
     let [x, y] = [first.position.covariance.m11, first.position.covariance.m22];
     assert!((x - 0.01).abs() < 1e-15 && (y - 0.04).abs() < 1e-15);
-    let again = slam.correct(&[sighting(3, 4.2, 0.1)]).unwrap()[0];
+    let again = slam.correct(&[observation(3, 4.2, 0.1)]).unwrap()[0];
     // Both innovations have twice the sensor's variance: 0.2^2 / 0.02 + 0.1^2 / 0.005.
     assert!((again.nis().unwrap() - 4.0).abs() < 1e-12 && again.accepted());
     let second = slam.landmarks().unwrap()[0];
     assert!((second.position.mean - nalgebra::Vector2::new(4.1, 0.2)).norm() < 1e-12);
     let [x, y] = [second.position.covariance.m11, second.position.covariance.m22];
-    assert!((x - 0.005).abs() < 1e-15 && (y - 0.02).abs() < 1e-15 && second.sightings == 2);
+    assert!((x - 0.005).abs() < 1e-15 && (y - 0.02).abs() < 1e-15 && second.observations == 2);
 }
 
 /// A robot that knows its way makes the two methods one: independent Kalman filters.
@@ -112,24 +113,24 @@ fn one_particle_without_noise_is_the_kalman_filter() {
     let own = FastSlamSettings { motion_noise: none, ..settings(1) };
     let theirs = SlamSettings {
         motion_noise: none,
-        sight_noise: own.sight_noise,
+        observation_noise: own.observation_noise,
         ..SlamSettings::default()
     };
     let (mut fast, mut ekf) = (slam(own), EkfSlam::new(certain(), theirs).unwrap());
-    for (k, (twist, sightings)) in round(4, &none, 1).moments.iter().enumerate() {
-        let mut sightings = sightings.clone();
+    for (k, (twist, observations)) in round(4, &none, 1).moments.iter().enumerate() {
+        let mut observations = observations.clone();
         // Some tell but half.
-        for (j, seen) in sightings.iter_mut().enumerate().filter(|_| k > 8) {
-            let Sight::RangeBearing { range, bearing } = seen.sight else { continue };
+        for (j, seen) in observations.iter_mut().enumerate().filter(|_| k > 8) {
+            let Observed::RangeBearing { range, bearing } = seen.sight else { continue };
             match (k + j) % 4 {
-                0 => seen.sight = Sight::Range { range },
-                1 => seen.sight = Sight::Bearing { bearing },
+                0 => seen.sight = Observed::Range { range },
+                1 => seen.sight = Observed::Bearing { bearing },
                 _ => {}
             }
         }
         fast.predict(*twist, HALF).unwrap();
         ekf.predict(*twist, HALF).unwrap();
-        let (a, b) = (fast.correct(&sightings).unwrap(), ekf.correct(&sightings).unwrap());
+        let (a, b) = (fast.correct(&observations).unwrap(), ekf.correct(&observations).unwrap());
         for (a, b) in a.iter().zip(&b) {
             assert_eq!((a.landmark, a.accepted()), (b.landmark, b.accepted()));
             let off = a.nis().unwrap_or(0.0) - b.nis().unwrap_or(0.0);
@@ -146,7 +147,7 @@ fn one_particle_without_noise_is_the_kalman_filter() {
     for (a, b) in a.iter().zip(&b) {
         assert!((a.position.mean - b.position.mean).norm() < 1e-8);
         assert!((a.position.covariance - b.position.covariance).norm() < 1e-9);
-        assert_eq!((a.id, a.sightings, a.confirmed), (b.id, b.sightings, b.confirmed));
+        assert_eq!((a.id, a.observations, a.confirmed), (b.id, b.observations, b.confirmed));
     }
 }
 
@@ -156,13 +157,13 @@ fn the_proposal_has_the_posterior_of_plain_sampling() {
     let noise = VelocityNoise::from_sigmas(0.1, 0.0, 0.05).unwrap();
     let mut slam = slam(FastSlamSettings { motion_noise: noise, ..settings(20_000) });
     let places = [Point2::new(3.0, 1.0), Point2::new(2.0, -1.5)];
-    let first: Vec<Sighting> =
+    let first: Vec<LandmarkObservation> =
         (0..2).map(|k| seen(ORIGIN, k as u32, places[k], [0.0; 2])).collect();
     slam.correct(&first).unwrap();
     let map = slam.landmarks().unwrap();
     let told = Twist2::forward(1.0, 0.0);
     slam.predict(told, 1.0).unwrap();
-    let second: Vec<Sighting> =
+    let second: Vec<LandmarkObservation> =
         (0..2).map(|k| seen(Pose2::new(1.06, 0.02, 0.03), k as u32, places[k], [0.0; 2])).collect();
     slam.correct(&second).unwrap();
     let mut rng = stream(9, "brute force");
@@ -172,7 +173,7 @@ fn the_proposal_has_the_posterior_of_plain_sampling() {
         let pose = Integration::ExactArc.step(ORIGIN, drove, 1.0);
         let mut exponent = 0.0;
         for (landmark, seen) in map.iter().zip(&second) {
-            let Sight::RangeBearing { range, bearing } = seen.sight else { unreachable!() };
+            let Observed::RangeBearing { range, bearing } = seen.sight else { unreachable!() };
             let way = pose.inverse().transform(&landmark.position.mean.into());
             let (r, phi) = (way.coords.norm(), way.y.atan2(way.x));
             // Along and across the ray, in the map.
@@ -242,7 +243,7 @@ fn landmarks_without_numbers_are_found_once() {
 fn false_landmarks_are_removed() {
     let mut slam = slam(FastSlamSettings { identities: Identities::Unknown, ..settings(20) });
     let [true_one, ghost, edge] =
-        [sighting(0, 2.0, 0.1), sighting(0, 1.5, -0.3), sighting(0, 3.0, 0.6)];
+        [observation(0, 2.0, 0.1), observation(0, 1.5, -0.3), observation(0, 3.0, 0.6)];
     slam.correct(&[true_one, ghost, edge]).unwrap();
     assert_eq!(slam.landmarks().unwrap().len(), 3);
     for _ in 0..6 {
@@ -250,7 +251,7 @@ fn false_landmarks_are_removed() {
     }
     let left = slam.landmarks().unwrap();
     assert_eq!(left.len(), 2);
-    assert!(left.iter().all(|landmark| landmark.confirmed && landmark.sightings == 7));
+    assert!(left.iter().all(|landmark| landmark.confirmed && landmark.observations == 7));
 }
 
 /// A number that is misread now and then neither moves its landmark nor the robot.
@@ -258,10 +259,10 @@ fn false_landmarks_are_removed() {
 fn a_misread_number_is_turned_away() {
     let mut slam = slam(settings(50));
     for _ in 0..5 {
-        slam.correct(&[sighting(1, 2.0, 0.3), sighting(2, 3.0, -0.4)]).unwrap();
+        slam.correct(&[observation(1, 2.0, 0.3), observation(2, 3.0, -0.4)]).unwrap();
     }
     let before = slam.landmarks().unwrap();
-    let outcome = slam.correct(&[sighting(2, 2.0, 0.3)]).unwrap()[0];
+    let outcome = slam.correct(&[observation(2, 2.0, 0.3)]).unwrap()[0];
     assert!(!outcome.accepted() && outcome.nis().unwrap() > 100.0);
     let after = slam.landmarks().unwrap();
     assert!((after[1].position.mean - before[1].position.mean).norm() < 1e-9);
@@ -281,7 +282,7 @@ fn errors_are_about_what_the_filter_says() {
         let deviation = pose.pose_deviation(round.truth);
         nees += pose.deviation_squared(&deviation).unwrap() / 30.0;
         off += deviation.fixed_rows::<2>(0).norm() / 30.0;
-        let told = |pose, (twist, _): &(Twist2, Vec<Sighting>)| {
+        let told = |pose, (twist, _): &(Twist2, Vec<LandmarkObservation>)| {
             Integration::ExactArc.step(pose, *twist, HALF)
         };
         odometry += round.moments.iter().fold(ORIGIN, told).distance(round.truth) / 30.0;
@@ -292,7 +293,7 @@ fn errors_are_about_what_the_filter_says() {
 
 #[test]
 fn late_inputs_are_taken_in_where_they_belong() {
-    let see = |range| [sighting(1, range, 0.0), sighting(2, range, 0.6)];
+    let see = |range| [observation(1, range, 0.0), observation(2, range, 0.6)];
     let start = || {
         let rng = stream(3, "fastslam");
         FastSlamLocalizer::new(settings(30), 0.0, certain(), 1.0, rng).unwrap()
@@ -300,17 +301,17 @@ fn late_inputs_are_taken_in_where_they_belong() {
     let drive = Twist2::forward(0.5, 0.1);
     let mut in_order = start();
     in_order.velocity(0.0, drive).unwrap();
-    in_order.sightings(0.2, &see(4.0)).unwrap();
-    in_order.sightings(0.6, &see(3.8)).unwrap();
+    in_order.observations(0.2, &see(4.0)).unwrap();
+    in_order.observations(0.6, &see(3.8)).unwrap();
     in_order.velocity(0.7, Twist2::ZERO).unwrap();
     let mut late = start();
     late.velocity(0.0, drive).unwrap();
     late.velocity(0.7, Twist2::ZERO).unwrap();
-    late.sightings(0.6, &see(3.8)).unwrap();
-    late.sightings(0.2, &see(4.0)).unwrap();
+    late.observations(0.6, &see(3.8)).unwrap();
+    late.observations(0.2, &see(4.0)).unwrap();
     assert_eq!(in_order.estimate(0.9).unwrap(), late.estimate(0.9).unwrap());
     assert_eq!(in_order.landmarks().unwrap(), late.landmarks().unwrap());
-    let message = late.sightings(-0.5, &see(4.0)).unwrap_err().to_string();
+    let message = late.observations(-0.5, &see(4.0)).unwrap_err().to_string();
     assert!(message.contains("at most 1 s before 0.7 s"), "{message}");
     assert!(late.estimate(f64::NAN).is_err());
 }
@@ -318,14 +319,15 @@ fn late_inputs_are_taken_in_where_they_belong() {
 #[test]
 fn bad_input_is_refused_and_changes_nothing() {
     let mut slam = slam(settings(10));
-    slam.correct(&[sighting(1, 2.0, 0.3)]).unwrap();
+    slam.correct(&[observation(1, 2.0, 0.3)]).unwrap();
     let before = (slam.pose().unwrap(), slam.landmarks().unwrap());
     for (range, bearing) in [(f64::NAN, 0.0), (-1.0, 0.0), (f64::INFINITY, 0.0), (1.0, f64::NAN)] {
-        assert!(slam.correct(&[sighting(1, 2.0, 0.3), sighting(1, range, bearing)]).is_err());
+        assert!(slam.correct(&[observation(1, 2.0, 0.3), observation(1, range, bearing)]).is_err());
     }
     assert!(slam.correct(&[]).unwrap().is_empty());
-    let bearing_only = Sighting { landmark: 9, sight: Sight::Bearing { bearing: 0.1 } };
-    let outcome = slam.correct(&[bearing_only, sighting(8, 0.0, 0.0)]).unwrap();
+    let bearing_only =
+        LandmarkObservation { landmark: 9, sight: Observed::Bearing { bearing: 0.1 } };
+    let outcome = slam.correct(&[bearing_only, observation(8, 0.0, 0.0)]).unwrap();
     assert!(outcome.iter().all(|o| o.verdict == SlamVerdict::Unplaceable && !o.accepted()));
     assert!(slam.predict(Twist2::forward(f64::NAN, 0.0), 1.0).is_err());
     assert!(slam.predict(Twist2::ZERO, -1.0).is_err());
@@ -343,7 +345,7 @@ fn bad_input_is_refused_and_changes_nothing() {
         FastSlamSettings { resample_below: f64::NAN, ..base },
         FastSlamSettings { mounting: Pose2 { theta: f64::NAN, ..ORIGIN }, ..base },
         FastSlamSettings {
-            sight_noise: LandmarkNoise { range_sigma: 0.0, ..base.sight_noise },
+            observation_noise: LandmarkNoise { range_sigma: 0.0, ..base.observation_noise },
             ..base
         },
         FastSlamSettings { map: MapSettings { miss_cost: -1.0, ..base.map }, ..base },
@@ -358,10 +360,10 @@ fn bad_input_is_refused_and_changes_nothing() {
 #[test]
 fn a_hundred_thousand_sightings_leave_a_finite_state() {
     for identities in [Identities::Known, Identities::Unknown] {
-        let map = MapSettings { most_landmarks: 40, ..MapSettings::default() };
+        let map = MapSettings { max_landmarks: 40, ..MapSettings::default() };
         let mut slam = slam(FastSlamSettings { identities, map, ..settings(2) });
-        let many: Vec<Sighting> = (0..100_000)
-            .map(|k| sighting(k % 60, 1.0 + f64::from(k % 60) * 0.1, f64::from(k % 7) * 0.3))
+        let many: Vec<LandmarkObservation> = (0..100_000)
+            .map(|k| observation(k % 60, 1.0 + f64::from(k % 60) * 0.1, f64::from(k % 7) * 0.3))
             .collect();
         let outcomes = slam.correct(&many).unwrap();
         assert_eq!(outcomes.len(), many.len());

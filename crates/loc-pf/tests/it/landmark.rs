@@ -4,9 +4,9 @@ use approx::assert_relative_eq;
 use loc_core::random::stream;
 use loc_core::{Normal, Pose2, angle};
 use loc_maps::{Landmark, LandmarkMap};
-use loc_pf::sensor::landmark::{LandmarkLikelihood, SightModel};
+use loc_pf::sensor::landmark::{LandmarkLikelihood, ObservationModel};
 use loc_pf::{Likelihood, Particles};
-use loc_sensors::landmark_camera::{LandmarkNoise, Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
 use rand::RngExt;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -15,15 +15,17 @@ fn map() -> LandmarkMap {
     LandmarkMap::new(places.map(|(id, x, y)| Landmark::planar(id, x, y))).unwrap()
 }
 
-fn model(outlier_share: f64) -> SightModel {
+fn model(outlier_share: f64) -> ObservationModel {
     let noise = LandmarkNoise { range_sigma: 0.1, range_sigma_per_m: 0.0, bearing_sigma: 0.05 };
-    SightModel { noise, outlier_share, ..SightModel::default() }
+    ObservationModel { noise, outlier_share, ..ObservationModel::default() }
 }
 
-fn likelihood(sightings: &[(u32, Sight)], model: &SightModel) -> LandmarkLikelihood {
-    let sightings: Vec<Sighting> =
-        sightings.iter().map(|&(landmark, sight)| Sighting { landmark, sight }).collect();
-    LandmarkLikelihood::new(&map(), &sightings, model).unwrap()
+fn likelihood(observations: &[(u32, Observed)], model: &ObservationModel) -> LandmarkLikelihood {
+    let observations: Vec<LandmarkObservation> = observations
+        .iter()
+        .map(|&(landmark, sight)| LandmarkObservation { landmark, sight })
+        .collect();
+    LandmarkLikelihood::new(&map(), &observations, model).unwrap()
 }
 
 fn fast(likelihood: &LandmarkLikelihood, poses: &[Pose2]) -> Vec<f64> {
@@ -38,7 +40,7 @@ fn fast(likelihood: &LandmarkLikelihood, poses: &[Pose2]) -> Vec<f64> {
 #[test]
 fn one_sighting_by_hand() {
     let bearing = 4_f64.atan2(3.0) + 0.1;
-    let sight = Sight::RangeBearing { range: 5.1, bearing };
+    let sight = Observed::RangeBearing { range: 5.1, bearing };
     // 1 / (2 pi 0.1 0.05) exp(-(1 + 4) / 2) = 31.83099 * 0.0820850 = 2.612847
     let seen = likelihood(&[(1, sight)], &model(0.0));
     assert_relative_eq!(seen.log_likelihood(Pose2::IDENTITY).exp(), 2.612847, epsilon = 1e-6);
@@ -53,13 +55,13 @@ fn one_sighting_by_hand() {
 
 #[test]
 fn distance_and_direction_alone() {
-    let range = likelihood(&[(3, Sight::Range { range: 5.8 })], &model(0.0));
+    let range = likelihood(&[(3, Observed::Range { range: 5.8 })], &model(0.0));
     // Landmark 3 is 6 m away: two sigma short.
     let expected = Normal::new(6.0, 0.1).unwrap().log_density(5.8);
     assert_relative_eq!(range.log_likelihood(Pose2::IDENTITY), expected, epsilon = 1e-12);
     let turned = Pose2::new(0.0, 0.0, 2.0);
     assert_relative_eq!(range.log_likelihood(turned), expected, epsilon = 1e-12);
-    let bearing = likelihood(&[(3, Sight::Bearing { bearing: -FRAC_PI_2 + 0.05 })], &model(0.0));
+    let bearing = likelihood(&[(3, Observed::Bearing { bearing: -FRAC_PI_2 + 0.05 })], &model(0.0));
     let expected = Normal::new(0.0, 0.05).unwrap().log_density(0.05);
     assert_relative_eq!(bearing.log_likelihood(Pose2::IDENTITY), expected, epsilon = 1e-12);
     let nearer = Pose2::new(0.0, -4.0, 0.0);
@@ -70,8 +72,8 @@ fn distance_and_direction_alone() {
 #[test]
 fn directions_wrap_at_pi() {
     let map = LandmarkMap::new([Landmark::planar(1, -4.0, 0.01)]).unwrap();
-    let sight = Sight::Bearing { bearing: -PI + 0.01 };
-    let seen = [Sighting { landmark: 1, sight }];
+    let sight = Observed::Bearing { bearing: -PI + 0.01 };
+    let seen = [LandmarkObservation { landmark: 1, sight }];
     let seen = LandmarkLikelihood::new(&map, &seen, &model(0.0)).unwrap();
     let pose = Pose2::IDENTITY;
     let error = angle::difference(-PI + 0.01, (0.01_f64).atan2(-4.0));
@@ -89,22 +91,22 @@ fn directions_wrap_at_pi() {
 #[test]
 fn the_mounting_counts() {
     let mounting = Pose2::new(0.5, 0.0, FRAC_PI_2);
-    let model = SightModel { mounting, ..model(0.0) };
+    let model = ObservationModel { mounting, ..model(0.0) };
     let map = LandmarkMap::new([Landmark::planar(1, 0.5, 2.0)]).unwrap();
-    let sight = Sight::RangeBearing { range: 2.0, bearing: 0.0 };
-    let seen = [Sighting { landmark: 1, sight }];
+    let sight = Observed::RangeBearing { range: 2.0, bearing: 0.0 };
+    let seen = [LandmarkObservation { landmark: 1, sight }];
     let seen = LandmarkLikelihood::new(&map, &seen, &model).unwrap();
     let at = seen.log_likelihood(Pose2::IDENTITY);
     assert_relative_eq!(at, seen.log_peak(), epsilon = 1e-12);
     assert_relative_eq!(fast(&seen, &[Pose2::IDENTITY])[0], at, epsilon = 1e-5);
 }
 
-fn random_sight(kind: usize, rng: &mut impl rand::Rng) -> Sight {
+fn random_observation(kind: usize, rng: &mut impl rand::Rng) -> Observed {
     let (range, bearing) = (8.0 * rng.random::<f64>(), TAU * rng.random::<f64>() - PI);
     match kind % 3 {
-        0 => Sight::RangeBearing { range, bearing },
-        1 => Sight::Range { range },
-        _ => Sight::Bearing { bearing },
+        0 => Observed::RangeBearing { range, bearing },
+        1 => Observed::Range { range },
+        _ => Observed::Bearing { bearing },
     }
 }
 
@@ -120,11 +122,12 @@ fn many_at_once_agree_with_one_by_one() {
         };
         let outlier_share = [0.0, 0.01, 0.3][case % 3];
         let mounting = if case % 4 < 2 { Pose2::IDENTITY } else { Pose2::new(0.3, -0.1, 1.2) };
-        let model = SightModel { noise, mounting, outlier_share, outlier_range: 10.0 };
+        let model = ObservationModel { noise, mounting, outlier_share, outlier_range: 10.0 };
         let count = case % 13;
-        let sightings: Vec<(u32, Sight)> =
-            (0..count).map(|k| (1 + (k % 3) as u32, random_sight(k + case, &mut rng))).collect();
-        let seen = likelihood(&sightings, &model);
+        let observations: Vec<(u32, Observed)> = (0..count)
+            .map(|k| (1 + (k % 3) as u32, random_observation(k + case, &mut rng)))
+            .collect();
+        let seen = likelihood(&observations, &model);
         // Not a multiple of any vector's length, and more than one block.
         let poses: Vec<Pose2> = (0..150)
             .map(|_| {
@@ -147,17 +150,18 @@ fn many_at_once_agree_with_one_by_one() {
 fn far_from_the_origin_of_the_map() {
     let far = Pose2::new(4.5e5, -5.4e5, 0.0);
     let map = LandmarkMap::new([Landmark::planar(1, far.x + 3.0, far.y + 4.0)]).unwrap();
-    let sight = Sight::RangeBearing { range: 5.0, bearing: 0.9 };
+    let sight = Observed::RangeBearing { range: 5.0, bearing: 0.9 };
     let seen =
-        LandmarkLikelihood::new(&map, &[Sighting { landmark: 1, sight }], &model(0.01)).unwrap();
+        LandmarkLikelihood::new(&map, &[LandmarkObservation { landmark: 1, sight }], &model(0.01))
+            .unwrap();
     assert_relative_eq!(fast(&seen, &[far])[0], seen.log_likelihood(far), epsilon = 1e-4);
 }
 
-/// 400 sightings without outliers: the likelihood itself is far below the smallest number.
+/// 400 observations without outliers: the likelihood itself is far below the smallest number.
 #[test]
 fn nothing_underflows() {
     for outlier_share in [0.0, 1e-3] {
-        let sight = Sight::RangeBearing { range: 2.0, bearing: 2.0 };
+        let sight = Observed::RangeBearing { range: 2.0, bearing: 2.0 };
         let seen = likelihood(&[(1, sight); 400], &model(outlier_share));
         let poses = [Pose2::IDENTITY, Pose2::new(0.0, 0.1, 0.0)];
         let rated = fast(&seen, &poses);
@@ -172,13 +176,13 @@ fn nothing_underflows() {
 fn no_pose_gives_nan() {
     let seen = likelihood(
         &[
-            (1, Sight::RangeBearing { range: 1.0, bearing: 0.5 }),
-            (2, Sight::Bearing { bearing: 1.0 }),
+            (1, Observed::RangeBearing { range: 1.0, bearing: 0.5 }),
+            (2, Observed::Bearing { bearing: 1.0 }),
         ],
         &model(0.0),
     );
-    let robust = SightModel { outlier_share: 0.01, ..*seen.model() };
-    let robust = likelihood(&[(1, Sight::RangeBearing { range: 1.0, bearing: 0.5 })], &robust);
+    let robust = ObservationModel { outlier_share: 0.01, ..*seen.model() };
+    let robust = likelihood(&[(1, Observed::RangeBearing { range: 1.0, bearing: 0.5 })], &robust);
     // On a landmark, and beyond what single precision holds.
     let poses =
         [Pose2::new(3.0, 4.0, 0.0), Pose2::new(1e30, 0.0, 1.0), Pose2::new(-1e300, 1e300, 1.0)];
@@ -191,12 +195,12 @@ fn no_pose_gives_nan() {
 
 #[test]
 fn unknown_numbers_are_told_and_left_out() {
-    let sight = Sight::Range { range: 5.0 };
+    let sight = Observed::Range { range: 5.0 };
     let seen = likelihood(&[(9, sight), (1, sight), (77, sight)], &model(0.0));
     let unknown: Vec<u32> = seen.unknown().iter().map(|s| s.landmark).collect();
     assert_eq!((unknown, seen.len()), (vec![9, 77], 1));
     let trust: Vec<_> = seen.trust(Pose2::IDENTITY).collect();
-    assert_eq!(trust.iter().map(|t| t.sighting.landmark).collect::<Vec<_>>(), [1, 9, 77]);
+    assert_eq!(trust.iter().map(|t| t.observation.landmark).collect::<Vec<_>>(), [1, 9, 77]);
     assert_eq!(trust.iter().map(|t| t.probability).collect::<Vec<_>>(), [1.0, 0.0, 0.0]);
     let nothing = likelihood(&[(9, sight)], &model(0.0));
     assert!(nothing.is_empty() && fast(&nothing, &[Pose2::IDENTITY]) == [0.0]);
@@ -204,18 +208,18 @@ fn unknown_numbers_are_told_and_left_out() {
 
 #[test]
 fn bad_input_is_named() {
-    let refusal = |sight: Sight, model: SightModel| {
-        let seen = [Sighting { landmark: 1, sight }];
+    let refusal = |sight: Observed, model: ObservationModel| {
+        let seen = [LandmarkObservation { landmark: 1, sight }];
         LandmarkLikelihood::new(&map(), &seen, &model).unwrap_err().to_string()
     };
-    let fine = Sight::Range { range: 1.0 };
-    let message = refusal(Sight::Range { range: -1.0 }, model(0.0));
+    let fine = Observed::Range { range: 1.0 };
+    let message = refusal(Observed::Range { range: -1.0 }, model(0.0));
     assert_eq!(message, "range to a landmark [m]: expected a finite number >= 0, got -1");
-    let message = refusal(Sight::Bearing { bearing: f64::NAN }, model(0.0));
+    let message = refusal(Observed::Bearing { bearing: f64::NAN }, model(0.0));
     assert_eq!(message, "bearing of a landmark [rad]: expected a finite number, got NaN");
     let message = refusal(fine, model(1.0));
     assert_eq!(message, "share of outliers: expected a number in [0, 1), got 1");
     let noise = LandmarkNoise::NONE;
-    let message = refusal(fine, SightModel { noise, ..model(0.0) });
+    let message = refusal(fine, ObservationModel { noise, ..model(0.0) });
     assert_eq!(message, "sigma of the range [m]: expected a finite number > 0, got 0");
 }

@@ -5,9 +5,9 @@ use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Pose2, Twist2, angle, gaussian::pose_belief};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_pf::landmark_mcl::RecoverySettings;
-use loc_pf::sensor::landmark::SightModel;
+use loc_pf::sensor::landmark::ObservationModel;
 use loc_pf::{Error, LandmarkMcl, LandmarkMclSettings};
-use loc_sensors::landmark_camera::{LandmarkCamera, LandmarkNoise, Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkCamera, LandmarkNoise, LandmarkObservation, Observed};
 use nalgebra::Matrix3;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -42,7 +42,7 @@ fn settings() -> LandmarkMclSettings {
     LandmarkMclSettings {
         particles: 1000,
         motion_noise: noise(),
-        sights: SightModel { noise: camera().noise, ..SightModel::default() },
+        sights: ObservationModel { noise: camera().noise, ..ObservationModel::default() },
         ..LandmarkMclSettings::default()
     }
 }
@@ -62,7 +62,7 @@ struct Step {
     start: f64,
     end: f64,
     reading: Twist2,
-    seen: Vec<Sighting>,
+    seen: Vec<LandmarkObservation>,
     truth: Pose2,
 }
 
@@ -109,7 +109,7 @@ fn mcl(settings: LandmarkMclSettings, seed: u64) -> LandmarkMcl {
 fn feed(mcl: &mut LandmarkMcl, step: &Step) {
     mcl.velocity(step.start, step.reading).unwrap();
     if !step.seen.is_empty() {
-        mcl.sightings(step.end, &step.seen).unwrap();
+        mcl.observations(step.end, &step.seen).unwrap();
     }
 }
 
@@ -154,7 +154,7 @@ fn standing_still_stays_honest() {
         let mut eyes = stream(seed, "eyes");
         for k in 1..=100 {
             let seen = camera().observe(&map(), Pose2::IDENTITY, &mut eyes);
-            filter.sightings(f64::from(k), &seen).unwrap();
+            filter.observations(f64::from(k), &seen).unwrap();
         }
         let belief = filter.estimate(100.0).unwrap();
         let deviation = belief.pose_deviation(Pose2::IDENTITY);
@@ -194,7 +194,7 @@ fn kidnapped_and_recovered() {
     assert!(recovered >= 18, "{recovered} of 20");
 }
 
-/// One sighting in twenty bears the number of another landmark. A model with outliers loses
+/// One observation in twenty bears the number of another landmark. A model with outliers loses
 /// little; one without is misled.
 #[test]
 fn misread_numbers_do_not_mislead() {
@@ -203,7 +203,7 @@ fn misread_numbers_do_not_mislead() {
             let mut drive = Drive::new(seed);
             drive.camera.wrong_identity_probability = misread;
             let steps: Vec<Step> = (0..300).map(|_| drive.step()).collect();
-            let sights = SightModel { outlier_share, ..settings().sights };
+            let sights = ObservationModel { outlier_share, ..settings().sights };
             let mut filter = mcl(LandmarkMclSettings { sights, ..settings() }, seed);
             mean(judged(&mut filter, &steps).iter().map(|e| e.0))
         });
@@ -214,14 +214,14 @@ fn misread_numbers_do_not_mislead() {
     assert!(robust < 1.25 * clean && credulous > 1.2 * robust);
 }
 
-/// Velocities and sightings in any order of arrival within the horizon: equal to the bit.
+/// Velocities and observations in any order of arrival within the horizon: equal to the bit.
 #[test]
 fn late_inputs_change_nothing() {
     let steps = Drive::steps(4, 200);
     let mut punctual = mcl(settings(), 4);
     steps.iter().for_each(|step| feed(&mut punctual, step));
     let mut late = mcl(settings(), 4);
-    // Sightings come 0.7 s late, and every seventh velocity 0.4 s.
+    // LandmarkObservations come 0.7 s late, and every seventh velocity 0.4 s.
     for k in 0..steps.len() + 10 {
         if let Some(step) = steps.get(k).filter(|_| !k.is_multiple_of(7)) {
             late.velocity(step.start, step.reading).unwrap();
@@ -232,7 +232,7 @@ fn late_inputs_change_nothing() {
         }
         let seen = k.checked_sub(7).and_then(|k| steps.get(k));
         if let Some(step) = seen.filter(|step| !step.seen.is_empty()) {
-            late.sightings(step.end, &step.seen).unwrap();
+            late.observations(step.end, &step.seen).unwrap();
         }
     }
     assert_eq!(late.particles(), punctual.particles());
@@ -241,7 +241,7 @@ fn late_inputs_change_nothing() {
     }
 }
 
-/// A long way without any sighting: the cloud moves on, memory does not grow, and the spread is
+/// A long way without any observation: the cloud moves on, memory does not grow, and the spread is
 /// that of dead reckoning.
 #[test]
 fn blind_drives_follow_the_odometry() {
@@ -252,9 +252,9 @@ fn blind_drives_follow_the_odometry() {
         filter.velocity(0.1 * f64::from(k), straight).unwrap();
     }
     let before = filter.estimate(10.0).unwrap();
-    let sight = Sight::Range { range: 4.0 };
-    // A sighting of a landmark that the map has not moves the cloud and says nothing.
-    let update = filter.sightings(10.0, &[Sighting { landmark: 99, sight }]).unwrap();
+    let sight = Observed::Range { range: 4.0 };
+    // An observation of a landmark that the map has not moves the cloud and says nothing.
+    let update = filter.observations(10.0, &[LandmarkObservation { landmark: 99, sight }]).unwrap();
     assert_eq!((update.trust[0].probability, update.resampled), (0.0, false));
     let cloud = loc_pf::estimate::moments(filter.particles());
     for i in 0..3 {
@@ -278,19 +278,21 @@ fn one_seed_one_result_for_any_number_of_threads() {
     assert_ne!(run(1, 3), run(1, 4));
 }
 
-/// Sightings that contradict everything, far jumps of time, and a start that is certain.
+/// LandmarkObservations that contradict everything, far jumps of time, and a start that is certain.
 #[test]
 fn nothing_gives_nan() {
     let certain = Gaussian { mean: start().mean, covariance: Matrix3::zeros() };
     let mut filter = LandmarkMcl::new(map(), settings(), 0.0, &certain, stream(1, "mcl")).unwrap();
-    let all = |range: f64| -> Vec<Sighting> {
-        let see =
-            |landmark| Sighting { landmark, sight: Sight::RangeBearing { range, bearing: 1.0 } };
+    let all = |range: f64| -> Vec<LandmarkObservation> {
+        let see = |landmark| LandmarkObservation {
+            landmark,
+            sight: Observed::RangeBearing { range, bearing: 1.0 },
+        };
         (1..7).map(see).collect()
     };
     for (stamp, range) in [(1.0, 1e6), (2.0, 0.0), (2.0, 3.0), (1e9, 1e-300), (1e9 + 1.0, 2.0)] {
         filter.velocity(stamp, Twist2::forward(1e3, 50.0)).unwrap();
-        filter.sightings(stamp, &all(range)).unwrap();
+        filter.observations(stamp, &all(range)).unwrap();
         let belief = filter.estimate(stamp + 1.0).unwrap();
         assert!(belief.mean.iter().chain(belief.covariance.iter()).all(|v| v.is_finite()));
         let poses = filter.particles().poses();
@@ -305,13 +307,13 @@ fn bad_input_is_refused_and_changes_nothing() {
     Drive::steps(1, 60).iter().for_each(|step| feed(&mut filter, step));
     let before = (filter.particles().clone(), filter.estimate(6.0).unwrap());
     let fine = Twist2::forward(1.0, 0.0);
-    let nan = Sight::Range { range: f64::NAN };
+    let nan = Observed::Range { range: f64::NAN };
     assert!(matches!(filter.velocity(3.0, fine), Err(Error::TooLate { .. })));
-    assert!(matches!(filter.sightings(3.0, &[]), Err(Error::TooLate { .. })));
+    assert!(matches!(filter.observations(3.0, &[]), Err(Error::TooLate { .. })));
     for error in [
         filter.velocity(f64::NAN, fine).unwrap_err(),
         filter.velocity(6.0, Twist2::forward(f64::INFINITY, 0.0)).unwrap_err(),
-        filter.sightings(6.0, &[Sighting { landmark: 1, sight: nan }]).unwrap_err(),
+        filter.observations(6.0, &[LandmarkObservation { landmark: 1, sight: nan }]).unwrap_err(),
         filter.estimate(f64::NAN).unwrap_err(),
     ] {
         assert!(matches!(error, Error::Core(loc_core::Error::OutOfRange { .. })), "{error}");
@@ -333,7 +335,7 @@ fn bad_input_is_refused_and_changes_nothing() {
     assert_eq!(refusal(half, map()), "recovery factor: expected a finite number >= 1, got 0.5");
 }
 
-/// A million velocities and sightings neither wear out the weights nor fill the memory.
+/// A million velocities and observations neither wear out the weights nor fill the memory.
 #[test]
 #[ignore = "a few seconds"]
 fn a_million_inputs() {
@@ -347,7 +349,7 @@ fn a_million_inputs() {
         if k % 10 == 0 {
             let x = 0.4 * (1.0 - (stamp * 0.5).cos());
             let seen = camera().observe(&map(), Pose2::new(x, 0.0, 0.0), &mut eyes);
-            filter.sightings(stamp, &seen).unwrap();
+            filter.observations(stamp, &seen).unwrap();
         }
     }
     let total: f64 = filter.particles().weights().sum();

@@ -142,7 +142,7 @@ fn raises_entropy(cloud: &Particles, tolerance: f64, rating: impl Fn(Pose2) -> f
     let scan = scan_at(&office(), TRUTH, 1, 20.0);
     let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
     let sample = BeliefSample::of(cloud, 500);
-    let filter = EntropyFilter { tolerance, most_dropped: 1.0 };
+    let filter = EntropyFilter { tolerance, max_dropped: 1.0 };
     let pose = |at: nalgebra::Point2<f64>| Pose2::new(at.x, at.y, 0.0);
     filter.keep(|laser, _, _| rating(pose(laser)), &sample, &mounted, &[0]).unwrap().novel == 1
 }
@@ -272,7 +272,7 @@ fn settings_out_of_range_are_refused() {
     for filter in [
         DistanceFilter { threshold: 1.5, ..Default::default() },
         DistanceFilter { sigma_hit: 0.0, ..Default::default() },
-        DistanceFilter { most_dropped: f64::NAN, ..Default::default() },
+        DistanceFilter { max_dropped: f64::NAN, ..Default::default() },
     ] {
         assert!(filter.keep(&caster, &sample, &mounted, &[0]).is_err());
     }

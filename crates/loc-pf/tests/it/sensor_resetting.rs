@@ -1,10 +1,10 @@
-//! Poses drawn from sightings.
+//! Poses drawn from observations.
 
 use loc_core::random::stream;
 use loc_core::{Pose2, angle};
 use loc_maps::{Bounds, Landmark, LandmarkMap};
-use loc_pf::sensor::landmark::{LandmarkLikelihood, SensorResetting, SightModel};
-use loc_sensors::landmark_camera::{Sight, SightKind, Sighting};
+use loc_pf::sensor::landmark::{LandmarkLikelihood, ObservationModel, SensorResetting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed, ObservedKind};
 use nalgebra::Point2;
 
 const TRUTH: Pose2 = Pose2 { x: 1.0, y: -0.5, theta: 2.5 };
@@ -18,20 +18,20 @@ fn region() -> Bounds {
     Bounds { min: Point2::new(-6.0, -6.0), max: Point2::new(6.0, 6.0) }
 }
 
-fn model() -> SightModel {
-    SightModel { mounting: Pose2::new(0.2, 0.1, -0.4), ..SightModel::default() }
+fn model() -> ObservationModel {
+    ObservationModel { mounting: Pose2::new(0.2, 0.1, -0.4), ..ObservationModel::default() }
 }
 
 /// What is seen without error of some landmarks.
-fn seen(landmarks: &[(u32, SightKind)]) -> LandmarkLikelihood {
+fn seen(landmarks: &[(u32, ObservedKind)]) -> LandmarkLikelihood {
     let (map, camera) = (map(), TRUTH * model().mounting);
-    let see = |&(landmark, kind): &(u32, SightKind)| {
+    let see = |&(landmark, kind): &(u32, ObservedKind)| {
         let way = map.get(landmark).unwrap().position.xy() - camera.position();
         let bearing = angle::wrap(way.y.atan2(way.x) - camera.theta);
-        Sighting { landmark, sight: Sight::new(kind, way.norm(), bearing) }
+        LandmarkObservation { landmark, sight: Observed::new(kind, way.norm(), bearing) }
     };
-    let sightings: Vec<Sighting> = landmarks.iter().map(see).collect();
-    LandmarkLikelihood::new(&map, &sightings, &model()).unwrap()
+    let observations: Vec<LandmarkObservation> = landmarks.iter().map(see).collect();
+    LandmarkLikelihood::new(&map, &observations, &model()).unwrap()
 }
 
 fn draws(seen: &LandmarkLikelihood, spread: f64, count: usize) -> Vec<Pose2> {
@@ -46,16 +46,16 @@ fn is_truth(pose: &Pose2) -> bool {
 
 #[test]
 fn two_sightings_fix_the_pose() {
-    use SightKind::RangeBearing as Both;
+    use ObservedKind::RangeBearing as Both;
     assert!(draws(&seen(&[(1, Both), (3, Both)]), 0.0, 20).iter().all(is_truth));
     assert!(draws(&seen(&[(1, Both), (2, Both), (3, Both)]), 0.0, 20).iter().all(is_truth));
 }
 
-/// Whatever was measured, a draw without blur fits the sightings that it believes: all, where
+/// Whatever was measured, a draw without blur fits the observations that it believes: all, where
 /// there is one or two; and the true pose is among the draws wherever they are a finite set.
 #[test]
 fn draws_fit_what_they_believe() {
-    use SightKind::{Bearing, Range, RangeBearing};
+    use ObservedKind::{Bearing, Range, RangeBearing};
     for kinds in [
         vec![(1, RangeBearing)],
         vec![(2, Range)],
@@ -79,7 +79,7 @@ fn draws_fit_what_they_believe() {
 /// The ring is drawn evenly: its mean is the landmark.
 #[test]
 fn one_sighting_leaves_a_ring() {
-    let seen = seen(&[(3, SightKind::RangeBearing)]);
+    let seen = seen(&[(3, ObservedKind::RangeBearing)]);
     let poses = draws(&seen, 2.0, 4000);
     let camera = |pose: &Pose2| (*pose * model().mounting).position();
     let sum = poses.iter().fold([0.0, 0.0], |s, p| [s[0] + camera(p).x, s[1] + camera(p).y]);
@@ -101,8 +101,8 @@ fn without_a_fit_the_pose_is_anywhere_inside() {
     assert!(poses.iter().all(|pose| region().contains(&pose.position())));
     let quadrants = [1.0, -1.0].map(|sign| poses.iter().filter(|p| p.x * sign > 0.0).count());
     assert!(quadrants.iter().all(|&count| count > 200));
-    let sight = Sight::Range { range: 100.0 };
-    let far = [Sighting { landmark: 1, sight }];
+    let sight = Observed::Range { range: 100.0 };
+    let far = [LandmarkObservation { landmark: 1, sight }];
     let far = LandmarkLikelihood::new(&map(), &far, &model()).unwrap();
     assert!(draws(&far, 1.0, 50).iter().all(|pose| region().contains(&pose.position())));
 }

@@ -20,7 +20,7 @@ pub struct WheelEncoder {
 }
 
 /// Counts of one reading that a float still tells apart.
-const MOST_TICKS: f64 = 9e15;
+const MAX_TICKS: f64 = 9e15;
 
 impl WheelEncoder {
     /// An encoder with `ticks_per_turn` counts (all four edges of a quadrature encoder count) on a
@@ -46,7 +46,7 @@ impl WheelEncoder {
     /// counts next time. A way that is no number, or none a wheel can roll, gives no counts.
     pub fn roll(&mut self, distance: f64) -> WheelTicks {
         let turned = self.rest + distance / self.meters_per_tick;
-        if turned.is_nan() || turned.abs() >= MOST_TICKS {
+        if turned.is_nan() || turned.abs() >= MAX_TICKS {
             return WheelTicks(0);
         }
         self.rest = turned - turned.floor();

@@ -1,6 +1,6 @@
 //! Correcting what a real camera reports.
 
-use super::Sight;
+use super::Observed;
 use crate::Result;
 use loc_core::error::{finite, positive};
 
@@ -50,25 +50,27 @@ impl CameraCalibration {
     /// Distance and direction, of a recorded sight.
     ///
     /// A depth that was seen wider than [`Self::WIDEST_DEPTH_BEARING`] keeps its direction only.
-    pub fn correct(&self, recorded: Sight) -> Sight {
+    pub fn correct(&self, recorded: Observed) -> Observed {
         match recorded {
-            Sight::RangeBearing { range, bearing } => self.correct_both(range, bearing),
-            Sight::Range { range } => Sight::Range { range: range / self.range_scale },
-            Sight::Bearing { bearing } => Sight::Bearing { bearing: bearing - self.bearing_bias },
+            Observed::RangeBearing { range, bearing } => self.correct_both(range, bearing),
+            Observed::Range { range } => Observed::Range { range: range / self.range_scale },
+            Observed::Bearing { bearing } => {
+                Observed::Bearing { bearing: bearing - self.bearing_bias }
+            }
         }
     }
 
-    fn correct_both(&self, range: f64, bearing: f64) -> Sight {
+    fn correct_both(&self, range: f64, bearing: f64) -> Observed {
         let direction = bearing - self.bearing_bias;
         let range = range / self.range_scale;
         if !self.range_is_depth {
-            return Sight::RangeBearing { range, bearing: direction };
+            return Observed::RangeBearing { range, bearing: direction };
         }
         // The optical axis turns with the camera, so the depth follows the reported direction.
         if bearing.abs() > Self::WIDEST_DEPTH_BEARING {
-            return Sight::Bearing { bearing: direction };
+            return Observed::Bearing { bearing: direction };
         }
-        Sight::RangeBearing { range: range / bearing.cos(), bearing: direction }
+        Observed::RangeBearing { range: range / bearing.cos(), bearing: direction }
     }
 }
 

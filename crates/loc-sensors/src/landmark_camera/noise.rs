@@ -1,4 +1,4 @@
-//! How far a sighting may be off.
+//! How far an observation may be off.
 
 use crate::Result;
 use loc_core::error::non_negative;

@@ -1,6 +1,6 @@
 //! The simulated landmark camera.
 
-use super::{LandmarkNoise, Sight, SightKind, Sighting};
+use super::{LandmarkNoise, LandmarkObservation, Observed, ObservedKind};
 use crate::Result;
 use crate::world::LandmarkWorld;
 use loc_core::error::{non_negative, positive, probability};
@@ -23,7 +23,7 @@ pub struct LandmarkCamera {
     /// Farthest distance \[m\].
     pub max_range: f64,
     /// Which numbers it delivers.
-    pub kind: SightKind,
+    pub kind: ObservedKind,
     /// Probability that a landmark in view is detected.
     pub detection_probability: f64,
     /// Probability that a detected landmark gets the number of another one in reach.
@@ -63,30 +63,31 @@ impl LandmarkCamera {
         world: &(impl LandmarkWorld + ?Sized),
         pose: Pose2,
         rng: &mut R,
-    ) -> Vec<Sighting> {
+    ) -> Vec<LandmarkObservation> {
         let camera = pose * self.mounting;
         let mut in_reach = Vec::new();
         world.visit_landmarks(&camera.position(), self.max_range, &mut |id, position| {
             in_reach.push((id, position));
         });
-        let mut sightings = Vec::new();
+        let mut observations = Vec::new();
         for (id, position) in &in_reach {
             let Some((range, bearing)) = self.view(camera, position) else {
                 continue;
             };
             if rng.random::<f64>() < self.detection_probability {
                 let landmark = self.read_number(*id, &in_reach, rng);
-                sightings.push(Sighting { landmark, sight: self.blur(range, bearing, rng) });
+                observations
+                    .push(LandmarkObservation { landmark, sight: self.blur(range, bearing, rng) });
             }
         }
-        sightings
+        observations
     }
 
-    fn blur<R: Rng + ?Sized>(&self, range: f64, bearing: f64, rng: &mut R) -> Sight {
+    fn blur<R: Rng + ?Sized>(&self, range: f64, bearing: f64, rng: &mut R) -> Observed {
         let mut draw = || -> f64 { StandardNormal.sample(rng) };
         let range = range + self.noise.range_sigma_at(range) * draw();
         let bearing = angle::wrap(bearing + self.noise.bearing_sigma * draw());
-        Sight::new(self.kind, range.max(0.0), bearing)
+        Observed::new(self.kind, range.max(0.0), bearing)
     }
 
     /// The number that is read off a landmark, now and then that of another one in reach.
@@ -105,7 +106,7 @@ impl Default for LandmarkCamera {
             fov: TAU,
             min_range: 0.0,
             max_range: 10.0,
-            kind: SightKind::RangeBearing,
+            kind: ObservedKind::RangeBearing,
             detection_probability: 1.0,
             wrong_identity_probability: 0.0,
             noise: LandmarkNoise::default(),

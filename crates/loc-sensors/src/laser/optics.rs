@@ -5,7 +5,7 @@ use nalgebra::{Point2, Vector2};
 use rand::{Rng, RngExt};
 
 /// Between two mirrors a beam runs back and forth; after this many panes it is lost.
-const MOST_PANES: usize = 16;
+const MAX_PANES: usize = 16;
 
 /// Length of the way \[m\] that a beam takes through the panes of a world until it returns, +inf
 /// where it does not within `reach`. `wall` is the distance to the first wall without them.
@@ -18,7 +18,7 @@ pub(super) fn through_panes<R: Rng + ?Sized>(
     rng: &mut R,
 ) -> f64 {
     let (mut travelled, mut last) = (0.0, None);
-    for _ in 0..MOST_PANES {
+    for _ in 0..MAX_PANES {
         let (sin, cos) = direction.sin_cos();
         let along = Vector2::new(cos, sin);
         let Some((index, distance)) = nearest(world, &origin, &along, last) else {

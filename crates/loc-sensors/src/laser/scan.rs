@@ -58,17 +58,17 @@ impl Beam {
 
 impl LaserScan {
     /// More beams than this no scanner has.
-    pub const MOST_BEAMS: usize = 1_000_000;
+    pub const MAX_BEAMS: usize = 1_000_000;
 
     /// Checks that this can be a scan; messages and files are checked before use.
     ///
     /// # Errors
-    /// [`Error::Length`] for no beams, more than [`Self::MOST_BEAMS`], a number of beams that
+    /// [`Error::Length`] for no beams, more than [`Self::MAX_BEAMS`], a number of beams that
     /// does not fit the angles (one too few or too many are common and let through), or
     /// intensities for some beams only. [`Error::OutOfRange`] for an increment of 0, numbers that
     /// are not finite or limits in the wrong order, and for a scan in which every range is NaN.
     pub fn check(&self) -> Result<()> {
-        count("ranges of a scan", "1 to 1000000 beams", Self::MOST_BEAMS, self.ranges.len())?;
+        count("ranges of a scan", "1 to 1000000 beams", Self::MAX_BEAMS, self.ranges.len())?;
         finite("angle_min of a scan [rad]", self.angle_min)?;
         finite("angle_max of a scan [rad]", self.angle_max)?;
         let turns = |increment: f64| increment.is_finite() && increment != 0.0;

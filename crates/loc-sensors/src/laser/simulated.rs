@@ -97,7 +97,7 @@ impl LaserScanner {
 
     /// Number of beams, within reason even where nobody has checked the settings.
     fn beams(&self) -> usize {
-        self.spec.beams.min(LaserScan::MOST_BEAMS)
+        self.spec.beams.min(LaserScan::MAX_BEAMS)
     }
 
     /// How far to look: noise may bring what is a little out of range into it.

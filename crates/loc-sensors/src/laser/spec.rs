@@ -95,7 +95,7 @@ impl LaserSpec {
         let turns = |step: f64| step.is_finite() && step != 0.0;
         let expected = "a finite number other than 0";
         in_range("angle between a laser's beams [rad]", expected, self.angle_increment, turns)?;
-        count("beams of a laser", "1 to 1000000", LaserScan::MOST_BEAMS, self.beams)?;
+        count("beams of a laser", "1 to 1000000", LaserScan::MAX_BEAMS, self.beams)?;
         let span = (self.angle_max() - self.angle_min).abs();
         let one_turn = |span: f64| span <= TAU + 1e-9;
         in_range("angle from first to last beam [rad]", "at most a turn", span, one_turn)?;

@@ -34,7 +34,7 @@ pub struct DepthCameraSpec {
 
 impl DepthCameraSpec {
     /// More pixels in a row or column than this no camera has.
-    pub const MOST_PIXELS: usize = 10_000;
+    pub const MAX_PIXELS: usize = 10_000;
 
     /// Asus Xtion PRO: 640 x 480 at 30 Hz, 58 x 45 deg, 0.8 m to 3.5 m.
     ///
@@ -93,8 +93,8 @@ impl DepthCameraSpec {
     /// of view outside (0, pi), depths in the wrong order, a rate or base that is not positive,
     /// and bad noise.
     pub fn check(&self) -> Result<()> {
-        count("pixels in a row", "1 to 10000", Self::MOST_PIXELS, self.width)?;
-        count("pixels in a column", "1 to 10000", Self::MOST_PIXELS, self.height)?;
+        count("pixels in a row", "1 to 10000", Self::MAX_PIXELS, self.width)?;
+        count("pixels in a column", "1 to 10000", Self::MAX_PIXELS, self.height)?;
         let open = |fov: f64| fov > 0.0 && fov < PI;
         in_range("horizontal angle of view [rad]", "between 0 and pi", self.horizontal_fov, open)?;
         in_range("vertical angle of view [rad]", "between 0 and pi", self.vertical_fov, open)?;
@@ -115,7 +115,7 @@ impl Default for DepthCameraSpec {
 /// Slopes of the middles of `pixels` pixels, positive first.
 fn slopes(pixels: usize, fov: f64) -> Vec<f64> {
     let (half, edge) = (0.5 * pixels as f64, (0.5 * fov).tan());
-    (0..pixels.min(DepthCameraSpec::MOST_PIXELS))
+    (0..pixels.min(DepthCameraSpec::MAX_PIXELS))
         .map(|k| (1.0 - (k as f64 + 0.5) / half) * edge)
         .collect()
 }

@@ -73,7 +73,7 @@ impl Sonar {
 
     /// Distance to the nearest surface in the cone that returns the sound, +inf for none.
     fn echo(&self, world: &(impl RangeWorld + ?Sized), sonar: Pose2) -> f64 {
-        let rays = self.spec.rays.min(SonarSpec::MOST_RAYS);
+        let rays = self.spec.rays.min(SonarSpec::MAX_RAYS);
         let step = self.spec.cone / (rays.max(2) - 1) as f64;
         let first = sonar.theta - 0.5 * step * (rays - 1) as f64;
         let reach = self.spec.range_max + 5.0 * self.spec.noise.sigma_at(self.spec.range_max);

@@ -27,7 +27,7 @@ pub struct SonarSpec {
 
 impl SonarSpec {
     /// More rays than this no cone needs.
-    pub const MOST_RAYS: usize = 10_000;
+    pub const MAX_RAYS: usize = 10_000;
 
     /// HC-SR04, the sensor of hobby robots: 2 cm to 4 m, 15 deg either way, ranging accuracy 3 mm.
     pub fn hc_sr04() -> Self {
@@ -63,7 +63,7 @@ impl SonarSpec {
         let slants = |angle: f64| angle > 0.0 && angle <= FRAC_PI_2;
         let expected = "above 0, at most pi/2";
         in_range("widest incidence of a sonar [rad]", expected, self.widest_incidence, slants)?;
-        count("rays of a sonar", "1 to 10000", Self::MOST_RAYS, self.rays)?;
+        count("rays of a sonar", "1 to 10000", Self::MAX_RAYS, self.rays)?;
         reach(self.range_min, self.range_max)?;
         self.noise.check()
     }

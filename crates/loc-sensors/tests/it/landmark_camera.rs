@@ -3,7 +3,7 @@ use loc_core::Pose2;
 use loc_core::random::stream;
 use loc_core::stats::RunningMoments;
 use loc_sensors::landmark_camera::{
-    CameraCalibration, LandmarkCamera, LandmarkNoise, Sight, SightKind,
+    CameraCalibration, LandmarkCamera, LandmarkNoise, Observed, ObservedKind,
 };
 use loc_sensors::world::Landmarks;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -44,9 +44,9 @@ fn only_what_is_in_view_is_seen() {
 fn kinds_deliver_their_numbers() {
     let world = Landmarks::from([(1, [3.0, 3.0])]);
     for (kind, range, bearing) in [
-        (SightKind::RangeBearing, Some(18_f64.sqrt()), Some(FRAC_PI_4)),
-        (SightKind::Range, Some(18_f64.sqrt()), None),
-        (SightKind::Bearing, None, Some(FRAC_PI_4)),
+        (ObservedKind::RangeBearing, Some(18_f64.sqrt()), Some(FRAC_PI_4)),
+        (ObservedKind::Range, Some(18_f64.sqrt()), None),
+        (ObservedKind::Bearing, None, Some(FRAC_PI_4)),
     ] {
         let camera = LandmarkCamera { kind, ..perfect() };
         let seen = camera.observe(&world, Pose2::IDENTITY, &mut stream(1, "c"));
@@ -68,13 +68,13 @@ fn noise_detection_and_wrong_numbers_have_their_rates() {
     let (mut range, mut bearing) = (RunningMoments::new(), RunningMoments::new());
     let (mut seen, mut wrong, rounds) = (0, 0, 20_000);
     for _ in 0..rounds {
-        for sighting in camera.observe(&world, Pose2::IDENTITY, &mut rng) {
+        for observation in camera.observe(&world, Pose2::IDENTITY, &mut rng) {
             seen += 1;
-            let at_first = sighting.sight.bearing().unwrap().abs() < 0.5;
-            wrong += u32::from(at_first != (sighting.landmark == 1));
+            let at_first = observation.sight.bearing().unwrap().abs() < 0.5;
+            wrong += u32::from(at_first != (observation.landmark == 1));
             if at_first {
-                range.push(sighting.sight.range().unwrap()).unwrap();
-                bearing.push(sighting.sight.bearing().unwrap()).unwrap();
+                range.push(observation.sight.range().unwrap()).unwrap();
+                bearing.push(observation.sight.bearing().unwrap()).unwrap();
             }
         }
     }
@@ -90,17 +90,20 @@ fn a_depth_becomes_a_distance() {
     let calibration =
         CameraCalibration { range_scale: 1.1, range_is_depth: true, ..CameraCalibration::NONE };
     for bearing in [-1.0_f64, 0.0, 0.5] {
-        let recorded = Sight::RangeBearing { range: 1.1 * 4.0 * bearing.cos(), bearing };
+        let recorded = Observed::RangeBearing { range: 1.1 * 4.0 * bearing.cos(), bearing };
         let corrected = calibration.correct(recorded);
         assert_relative_eq!(corrected.range().unwrap(), 4.0, epsilon = 1e-12);
         assert_relative_eq!(corrected.bearing().unwrap(), bearing, epsilon = 1e-12);
     }
-    let sideways = Sight::RangeBearing { range: 0.1, bearing: 1.5 };
-    assert_eq!(calibration.correct(sideways), Sight::Bearing { bearing: 1.5 });
-    let any = Sight::RangeBearing { range: 2.0, bearing: -1.5 };
+    let sideways = Observed::RangeBearing { range: 0.1, bearing: 1.5 };
+    assert_eq!(calibration.correct(sideways), Observed::Bearing { bearing: 1.5 });
+    let any = Observed::RangeBearing { range: 2.0, bearing: -1.5 };
     assert_eq!(CameraCalibration::NONE.correct(any), any);
     let turned = CameraCalibration { bearing_bias: 0.1, ..CameraCalibration::NONE };
-    assert_eq!(turned.correct(Sight::Bearing { bearing: 0.1 }), Sight::Bearing { bearing: 0.0 });
+    assert_eq!(
+        turned.correct(Observed::Bearing { bearing: 0.1 }),
+        Observed::Bearing { bearing: 0.0 }
+    );
 }
 
 #[test]
@@ -118,7 +121,7 @@ fn bad_settings_and_sights_are_refused() {
         assert!(camera.check().is_err(), "{camera:?}");
     }
     assert!(CameraCalibration { range_scale: 0.0, ..CameraCalibration::NONE }.check().is_err());
-    assert!(Sight::Range { range: -0.1 }.check().is_err());
-    assert!(Sight::Bearing { bearing: f64::NAN }.check().is_err());
-    assert!(Sight::RangeBearing { range: 0.0, bearing: 3.0 }.check().is_ok());
+    assert!(Observed::Range { range: -0.1 }.check().is_err());
+    assert!(Observed::Bearing { bearing: f64::NAN }.check().is_err());
+    assert!(Observed::RangeBearing { range: 0.0, bearing: 3.0 }.check().is_ok());
 }

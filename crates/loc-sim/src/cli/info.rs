@@ -3,7 +3,6 @@
 use super::Global;
 use super::progress::Progress;
 use super::replay::{Format, guess, open_landmarks};
-use crate::event::{Control, Measurement, Payload};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{LaserLog, What};
 use crate::source::ranging::{RangeRecording, RangingStart};
@@ -11,6 +10,7 @@ use crate::source::ros::{self, Survey};
 use crate::source::wean::WeanLog;
 use crate::source::{Mrclam, Source};
 use loc_filters::slam::Identities;
+use loc_sensors::event::{Control, Measurement, Payload};
 use std::path::{Path, PathBuf};
 
 /// List the topics of a recording, with types, numbers, times and rates.

@@ -2,11 +2,11 @@
 
 use super::left_out::LeftOut;
 use super::{Converted, each};
-use crate::event::{Event, Measurement, Payload};
 use crate::odometry::Driven;
 use crate::source::Source;
 use crate::{Error, Result};
 use loc_core::Pose2;
+use loc_sensors::event::{Event, Measurement, Payload};
 use loc_sensors::laser::LaserScan;
 use std::io::Write;
 use std::path::Path;

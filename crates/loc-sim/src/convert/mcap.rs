@@ -3,10 +3,10 @@
 use super::left_out::LeftOut;
 use super::{Converted, each};
 use crate::Result;
-use crate::event::{Measurement, Payload};
 use crate::output::mcap::McapRecorder;
 use crate::runner::Watcher;
 use crate::source::Source;
+use loc_sensors::event::{Measurement, Payload};
 use std::path::Path;
 
 /// Writes the topics `/odom`, `/scan`, `/scan_points`, `/tf`, `/tf_static` and `/ground_truth`, and

@@ -36,8 +36,8 @@ pub use transcribe::transcribe;
 pub use tum::{Track, to_tum};
 
 use crate::Result;
-use crate::event::Event;
 use crate::source::Source;
+use loc_sensors::event::Event;
 
 /// What a conversion did.
 #[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize)]

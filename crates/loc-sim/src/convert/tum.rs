@@ -2,11 +2,11 @@
 
 use super::left_out::LeftOut;
 use super::{Converted, each};
-use crate::event::Payload;
 use crate::odometry::Driven;
 use crate::source::Source;
 use crate::{Error, Result};
 use loc_core::Trajectory;
+use loc_sensors::event::Payload;
 
 /// Which track of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 const CLEARANCE: f64 = 0.3;
 
 /// After so many tries any place will do; [`learn`] leaves out those that are not free.
-const MOST_TRIES: usize = 10_000;
+const MAX_TRIES: usize = 10_000;
 
 /// Where is looked, with what, and what the map does not know.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -106,7 +106,7 @@ fn look_and_learn(config: &PerceptualModelConfig, seed: u64) -> Result<Learned> 
 fn free_pose(world: &TourWorld, rng: &mut ChaCha8Rng) -> Pose2 {
     let frame = world.grid().frame();
     let mut pose = Pose2::IDENTITY;
-    for _ in 0..MOST_TRIES {
+    for _ in 0..MAX_TRIES {
         let (u, v, turn): (f64, f64, f64) = (rng.random(), rng.random(), rng.random());
         let place = frame.to_map(u * frame.width() as f64, v * frame.height() as f64);
         pose = Pose2::new(place.x, place.y, TAU * turn);

@@ -15,9 +15,9 @@ pub struct Cloud {
 
 impl Cloud {
     /// The most particles that are kept.
-    pub const MOST: usize = 500;
+    pub const MAX: usize = 500;
 
-    /// Every k-th particle of a filter's cloud, at most [`Cloud::MOST`].
+    /// Every k-th particle of a filter's cloud, at most [`Cloud::MAX`].
     pub fn of(particles: &Particles) -> Self {
         Cloud { particles: thinned(particles), weighed: None }
     }
@@ -30,6 +30,6 @@ impl Cloud {
 }
 
 fn thinned(particles: &Particles) -> Vec<(Pose2, f64)> {
-    let step = particles.len().div_ceil(Cloud::MOST).max(1);
+    let step = particles.len().div_ceil(Cloud::MAX).max(1);
     particles.poses().iter().zip(particles.weights()).step_by(step).collect()
 }

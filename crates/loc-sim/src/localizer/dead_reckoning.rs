@@ -2,12 +2,12 @@
 
 use super::{Estimate, Judgement, Localizer, MethodSettings};
 use crate::Result;
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use loc_core::motion::{DrivenPath, PathNoise};
 use loc_core::{Gaussian, Pose2};
 use loc_filters::landmark::LandmarkLocalizer;
 use loc_maps::LandmarkMap;
+use loc_sensors::event::{Control, Measurement};
 
 /// Velocities by the prediction step of the landmark filter, without its corrections; poses of an
 /// odometry by [`OdometryDrive`].

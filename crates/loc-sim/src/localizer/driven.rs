@@ -1,7 +1,7 @@
 //! Poses of an odometry as the velocities between them, for methods that want those.
 
-use crate::event::Control;
 use loc_core::{Pose2, Twist2};
+use loc_sensors::event::Control;
 
 /// Turns either kind of control into velocities with the time from which on they hold.
 #[derive(Debug, Clone, Copy, Default)]

@@ -2,13 +2,13 @@
 
 use super::driven::DrivenVelocity;
 use super::{Estimate, Judgement, Localizer, MethodSettings, Whitened, seen_at};
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_filters::NonlinearFilter;
 use loc_filters::landmark::{LandmarkLocalizer, Outcome, Verdict};
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::event::{Control, Measurement};
+use loc_sensors::landmark_camera::LandmarkObservation;
 
 #[derive(Debug)]
 pub(super) struct Ekf<F: NonlinearFilter<3>> {
@@ -34,13 +34,18 @@ impl<F: NonlinearFilter<3>> Ekf<F> {
         Ok(Ekf { localizer, mounting, driven: DrivenVelocity::default() })
     }
 
-    fn judge(&self, pose: Pose2, outcome: &Outcome, sighting: &Sighting) -> Judgement {
+    fn judge(
+        &self,
+        pose: Pose2,
+        outcome: &Outcome,
+        observation: &LandmarkObservation,
+    ) -> Judgement {
         Judgement {
             accepted: outcome.accepted(),
             nis: outcome.nis(),
             degrees_of_freedom: outcome.degrees_of_freedom(),
             whitened: whitened(outcome),
-            seen_at: seen_at(pose * self.mounting, sighting),
+            seen_at: seen_at(pose * self.mounting, observation),
         }
     }
 }
@@ -54,18 +59,18 @@ impl<F: NonlinearFilter<3>> Localizer for Ekf<F> {
     }
 
     fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
-        let Measurement::Landmarks(sightings) = measurement else { return Ok(Vec::new()) };
-        let outcomes = match self.localizer.sightings(stamp, sightings) {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
+        let outcomes = match self.localizer.observations(stamp, observations) {
             Ok(outcomes) => outcomes,
             // A measurement beyond the horizon is lost to this method, not to the run.
             Err(loc_filters::Error::TooLate { .. }) => {
-                return Ok(vec![Judgement::REFUSED; sightings.len()]);
+                return Ok(vec![Judgement::REFUSED; observations.len()]);
             }
             Err(error) => return Err(error.into()),
         };
         let pose = self.localizer.estimate(stamp)?.pose();
-        let pairs = outcomes.iter().zip(sightings);
-        Ok(pairs.map(|(outcome, sighting)| self.judge(pose, outcome, sighting)).collect())
+        let pairs = outcomes.iter().zip(observations);
+        Ok(pairs.map(|(outcome, observation)| self.judge(pose, outcome, observation)).collect())
     }
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {

@@ -3,11 +3,11 @@
 use super::driven::DrivenVelocity;
 use super::{Estimate, EstimatedMap, Judgement, Localizer, MethodSettings, Whitened, seen_at};
 use crate::Result;
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use loc_core::Pose2;
 use loc_filters::slam::{Identities, SlamLocalizer, SlamOutcome, SlamVerdict};
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::event::{Control, Measurement};
+use loc_sensors::landmark_camera::LandmarkObservation;
 
 /// It is told where it starts, and nothing of the landmarks.
 #[derive(Debug)]
@@ -39,18 +39,18 @@ impl Localizer for EkfSlamMethod {
     }
 
     fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
-        let Measurement::Landmarks(sightings) = measurement else { return Ok(Vec::new()) };
-        let outcomes = match self.localizer.sightings(stamp, sightings) {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
+        let outcomes = match self.localizer.observations(stamp, observations) {
             Ok(outcomes) => outcomes,
             // A measurement beyond the horizon is lost to this method, not to the run.
             Err(loc_filters::Error::TooLate { .. }) => {
-                return Ok(vec![Judgement::REFUSED; sightings.len()]);
+                return Ok(vec![Judgement::REFUSED; observations.len()]);
             }
             Err(error) => return Err(error.into()),
         };
         let camera = self.localizer.estimate(stamp)?.pose() * self.mounting;
-        let pairs = outcomes.iter().zip(sightings);
-        Ok(pairs.map(|(outcome, sighting)| judge(camera, outcome, sighting)).collect())
+        let pairs = outcomes.iter().zip(observations);
+        Ok(pairs.map(|(outcome, observation)| judge(camera, outcome, observation)).collect())
     }
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {
@@ -63,14 +63,18 @@ impl Localizer for EkfSlamMethod {
     }
 }
 
-/// What became of a sighting from a camera's pose.
-pub(super) fn judge(camera: Pose2, outcome: &SlamOutcome, sighting: &Sighting) -> Judgement {
+/// What became of an observation from a camera's pose.
+pub(super) fn judge(
+    camera: Pose2,
+    outcome: &SlamOutcome,
+    observation: &LandmarkObservation,
+) -> Judgement {
     Judgement {
         accepted: outcome.accepted(),
         nis: outcome.nis(),
         degrees_of_freedom: outcome.degrees_of_freedom(),
         whitened: whitened(outcome),
-        seen_at: seen_at(camera, sighting),
+        seen_at: seen_at(camera, observation),
     }
 }
 

@@ -4,12 +4,12 @@ use super::driven::DrivenVelocity;
 use super::ekf_slam::judge;
 use super::{Cloud, Estimate, EstimatedMap, Judgement, Localizer, MethodSettings};
 use crate::Result;
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use loc_core::Pose2;
 use loc_core::random::stream;
 use loc_filters::slam::Identities;
 use loc_pf::FastSlamLocalizer;
+use loc_sensors::event::{Control, Measurement};
 
 /// It is told where it starts, and nothing of the landmarks.
 #[derive(Debug)]
@@ -43,18 +43,18 @@ impl Localizer for FastSlamMethod {
     }
 
     fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
-        let Measurement::Landmarks(sightings) = measurement else { return Ok(Vec::new()) };
-        let outcomes = match self.localizer.sightings(stamp, sightings) {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
+        let outcomes = match self.localizer.observations(stamp, observations) {
             Ok(outcomes) => outcomes,
             // A measurement beyond the horizon is lost to this method, not to the run.
             Err(loc_pf::Error::Filter(loc_filters::Error::TooLate { .. })) => {
-                return Ok(vec![Judgement::REFUSED; sightings.len()]);
+                return Ok(vec![Judgement::REFUSED; observations.len()]);
             }
             Err(error) => return Err(error.into()),
         };
         let camera = self.localizer.estimate(stamp)?.pose() * self.mounting;
-        let pairs = outcomes.iter().zip(sightings);
-        Ok(pairs.map(|(outcome, sighting)| judge(camera, outcome, sighting)).collect())
+        let pairs = outcomes.iter().zip(observations);
+        Ok(pairs.map(|(outcome, observation)| judge(camera, outcome, observation)).collect())
     }
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {

@@ -2,13 +2,13 @@
 
 use super::driven::DrivenVelocity;
 use super::{Estimate, Judgement, Localizer, MethodSettings, SensorError, Whitened, seen_at};
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_filters::NonlinearFilter;
 use loc_filters::fusion::state::STATES;
 use loc_filters::fusion::{FusedLocalizer, FusionOutcome, FusionSettings, state};
+use loc_sensors::event::{Control, Measurement};
 use nalgebra::{Point2, Vector2};
 
 /// The errors that figures show, with the factor of their unit.
@@ -62,7 +62,9 @@ pub(super) fn take<F: NonlinearFilter<STATES>>(
     measurement: &Measurement,
 ) -> Result<Vec<FusionOutcome>> {
     let outcome = match measurement {
-        Measurement::Landmarks(sightings) => return Ok(localizer.sightings(stamp, sightings)?),
+        Measurement::Landmarks(observations) => {
+            return Ok(localizer.observations(stamp, observations)?);
+        }
         Measurement::Inertial(reading) => localizer.inertial(stamp, *reading)?,
         Measurement::Compass(reading) => localizer.compass(stamp, *reading)?,
         Measurement::Position(fix) => localizer.position(stamp, *fix)?,
@@ -93,9 +95,9 @@ impl<F: NonlinearFilter<STATES>> Fusion<F> {
     /// Where each part of a measurement puts what was seen.
     fn places(&self, stamp: f64, measurement: &Measurement) -> Result<Vec<Option<Point2<f64>>>> {
         Ok(match measurement {
-            Measurement::Landmarks(sightings) => {
+            Measurement::Landmarks(observations) => {
                 let camera = self.localizer.estimate(stamp)?.pose() * self.mounting;
-                sightings.iter().map(|sighting| seen_at(camera, sighting)).collect()
+                observations.iter().map(|observation| seen_at(camera, observation)).collect()
             }
             Measurement::Position(fix) => vec![Some(fix.mean.into())],
             _ => Vec::new(),

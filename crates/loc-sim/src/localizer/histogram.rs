@@ -1,11 +1,11 @@
 //! `histogram`: Markov localization with a laser on a grid over (x, y, heading) (K1).
 
 use super::{Estimate, Hypothesis, Judgement, Localizer, MethodSettings, PlaceBelief};
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_filters::histogram::{GridLocalizer, GridUpdate};
+use loc_sensors::event::{Control, Measurement};
 
 /// How many places are told, the likeliest ones.
 const HYPOTHESES: usize = 5;

@@ -1,13 +1,13 @@
 //! `kf-slam`: SLAM of a robot that slides without turning (I1).
 
 use super::{Estimate, EstimatedMap, Judgement, Localizer, MethodSettings, Whitened};
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::Innovation;
-use loc_filters::slam::{LinearSlam, LinearSlamSettings, MapLandmark, RelativeSighting};
-use loc_sensors::landmark_camera::{LandmarkNoise, Sight, Sighting};
+use loc_filters::slam::{LinearSlam, LinearSlamSettings, MapLandmark, RelativeObservation};
+use loc_sensors::event::{Control, Measurement};
+use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Matrix3, Point2, Rotation2, Vector2};
 
 /// The filter works along the robot's own axes, which are those of the map turned by a heading
@@ -39,7 +39,7 @@ impl KfSlamMethod {
             slam: LinearSlam::new(Gaussian { mean: turn * position.mean, covariance }, linear)?,
             heading,
             mounting: settings.landmark.mounting,
-            noise: settings.landmark.sight_noise,
+            noise: settings.landmark.observation_noise,
             stamp: setup.start,
             twist: Twist2::ZERO,
             setup_name: setup.name.clone(),
@@ -56,8 +56,8 @@ impl KfSlamMethod {
     }
 
     /// Where the landmark is from the robot's centre; `None` without a distance and a direction.
-    fn relative(&self, sighting: &Sighting) -> Option<RelativeSighting> {
-        let Sight::RangeBearing { range, bearing } = sighting.sight else { return None };
+    fn relative(&self, observation: &LandmarkObservation) -> Option<RelativeObservation> {
+        let Observed::RangeBearing { range, bearing } = observation.sight else { return None };
         let direction = bearing + self.mounting.theta;
         let along = Vector2::new(direction.cos(), direction.sin());
         let offset = Vector2::new(self.mounting.x, self.mounting.y) + range * along;
@@ -67,7 +67,7 @@ impl KfSlamMethod {
         let axes = Matrix2::new(along.x, -along.y, along.y, along.x);
         let variances = Matrix2::from_diagonal(&Vector2::new(sigma * sigma, across * across));
         let covariance = axes * variances * axes.transpose();
-        Some(RelativeSighting { landmark: sighting.landmark, offset, covariance })
+        Some(RelativeObservation { landmark: observation.landmark, offset, covariance })
     }
 
     /// From the robot's axes to those of the map.
@@ -77,7 +77,7 @@ impl KfSlamMethod {
         Gaussian { mean: turn * belief.mean, covariance }
     }
 
-    fn judge(&self, seen: &RelativeSighting, innovation: Option<&Innovation<2>>) -> Judgement {
+    fn judge(&self, seen: &RelativeObservation, innovation: Option<&Innovation<2>>) -> Judgement {
         let robot = self.slam.robot();
         let at = self.turned(&Gaussian { mean: robot.mean + seen.offset, ..robot }).mean;
         Judgement {
@@ -106,16 +106,16 @@ impl Localizer for KfSlamMethod {
     }
 
     fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
-        let Measurement::Landmarks(sightings) = measurement else { return Ok(Vec::new()) };
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
         if stamp < self.stamp - 1e-9 {
-            return Ok(vec![Judgement::REFUSED; sightings.len()]);
+            return Ok(vec![Judgement::REFUSED; observations.len()]);
         }
         self.drive_to(stamp)?;
-        let relative: Vec<_> = sightings.iter().map(|seen| self.relative(seen)).collect();
-        let used: Vec<RelativeSighting> = relative.iter().flatten().copied().collect();
+        let relative: Vec<_> = observations.iter().map(|seen| self.relative(seen)).collect();
+        let used: Vec<RelativeObservation> = relative.iter().flatten().copied().collect();
         let innovations = self.slam.correct(&used)?;
         let mut judged = used.iter().zip(&innovations);
-        let judge = |seen: &Option<RelativeSighting>| {
+        let judge = |seen: &Option<RelativeObservation>| {
             let pair = seen.as_ref().and_then(|_| judged.next());
             pair.map_or(Judgement::REFUSED, |(seen, found)| self.judge(seen, found.as_ref()))
         };
@@ -139,7 +139,7 @@ impl Localizer for KfSlamMethod {
         let describe = |(id, belief): (u32, Gaussian<2>)| MapLandmark {
             id,
             position: self.turned(&belief),
-            sightings: 1,
+            observations: 1,
             confirmed: true,
         };
         let landmarks = self.slam.landmarks().map(describe).collect();

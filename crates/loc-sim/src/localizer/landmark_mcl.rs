@@ -1,27 +1,27 @@
-//! `mcl` among landmarks: Monte Carlo localization by sightings (M5).
+//! `mcl` among landmarks: Monte Carlo localization by observations (M5).
 
 use super::driven::DrivenVelocity;
 use super::{Cloud, Estimate, Judgement, Localizer, MethodSettings, seen_at};
 use crate::Result;
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use loc_core::Pose2;
 use loc_core::random::stream;
 use loc_pf::LandmarkMcl;
-use loc_pf::landmark_mcl::SightingUpdate;
-use loc_sensors::landmark_camera::Sighting;
+use loc_pf::landmark_mcl::ObservationUpdate;
+use loc_sensors::event::{Control, Measurement};
+use loc_sensors::landmark_camera::LandmarkObservation;
 
-/// Below this probability a sighting counts as turned away.
+/// Below this probability an observation counts as turned away.
 const BELIEVED: f64 = 0.5;
 
 #[derive(Debug)]
-pub(super) struct SightMcl {
+pub(super) struct ObservationMcl {
     mcl: LandmarkMcl,
     mounting: Pose2,
     driven: DrivenVelocity,
 }
 
-impl SightMcl {
+impl ObservationMcl {
     /// The caller has made sure that there are landmarks.
     pub(super) fn new(setup: &Setup, settings: &MethodSettings) -> Result<Self> {
         let (map, rng) = (setup.landmarks.clone(), stream(settings.seed, "mcl"));
@@ -32,20 +32,25 @@ impl SightMcl {
             LandmarkMcl::new(map, with, setup.start, &setup.start_belief, rng)?
         };
         let mounting = with.sights.mounting;
-        Ok(SightMcl { mcl, mounting, driven: DrivenVelocity::default() })
+        Ok(ObservationMcl { mcl, mounting, driven: DrivenVelocity::default() })
     }
 
-    fn judge(&self, pose: Pose2, update: &SightingUpdate, sighting: &Sighting) -> Judgement {
-        let trust = update.trust.iter().find(|trust| trust.sighting == *sighting);
+    fn judge(
+        &self,
+        pose: Pose2,
+        update: &ObservationUpdate,
+        observation: &LandmarkObservation,
+    ) -> Judgement {
+        let trust = update.trust.iter().find(|trust| trust.observation == *observation);
         Judgement {
             accepted: trust.is_some_and(|trust| trust.probability >= BELIEVED),
-            seen_at: seen_at(pose * self.mounting, sighting),
+            seen_at: seen_at(pose * self.mounting, observation),
             ..Judgement::REFUSED
         }
     }
 }
 
-impl Localizer for SightMcl {
+impl Localizer for ObservationMcl {
     fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
         if let Some((from, twist)) = self.driven.of(stamp, control) {
             self.mcl.velocity(from, twist)?;
@@ -54,17 +59,17 @@ impl Localizer for SightMcl {
     }
 
     fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
-        let Measurement::Landmarks(sightings) = measurement else { return Ok(Vec::new()) };
-        let update = match self.mcl.sightings(stamp, sightings) {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
+        let update = match self.mcl.observations(stamp, observations) {
             Ok(update) => update,
             // A measurement beyond the horizon is lost to this method, not to the run.
             Err(loc_pf::Error::TooLate { .. }) => {
-                return Ok(vec![Judgement::REFUSED; sightings.len()]);
+                return Ok(vec![Judgement::REFUSED; observations.len()]);
             }
             Err(error) => return Err(error.into()),
         };
         let pose = self.mcl.estimate(stamp)?.pose();
-        Ok(sightings.iter().map(|sighting| self.judge(pose, &update, sighting)).collect())
+        Ok(observations.iter().map(|observation| self.judge(pose, &update, observation)).collect())
     }
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {

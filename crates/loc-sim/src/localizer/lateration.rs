@@ -2,12 +2,12 @@
 
 use super::driven::DrivenVelocity;
 use super::{Estimate, Judgement, Localizer, MethodSettings};
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Gaussian;
 use loc_filters::lateration::{RangeOutcome, SlidingLateration};
 use loc_maps::LandmarkMap;
+use loc_sensors::event::{Control, Measurement};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -58,12 +58,12 @@ impl Localizer for Lateration {
     }
 
     fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>> {
-        let Measurement::Landmarks(sightings) = measurement else { return Ok(Vec::new()) };
-        let outcomes = match self.lateration.ranges(stamp, sightings) {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
+        let outcomes = match self.lateration.ranges(stamp, observations) {
             Ok(outcomes) => outcomes,
             // A measurement beyond the horizon is lost to this method, not to the run.
             Err(loc_filters::Error::TooLate { .. }) => {
-                return Ok(vec![Judgement::REFUSED; sightings.len()]);
+                return Ok(vec![Judgement::REFUSED; observations.len()]);
             }
             Err(error) => return Err(error.into()),
         };

@@ -1,12 +1,12 @@
 //! `line-ekf` and `line-ukf`: lines of laser scans against the lines of a map (H4).
 
 use super::{Estimate, Judgement, Localizer, MethodSettings, Whitened};
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::NonlinearFilter;
 use loc_filters::line_matching::{LineFilter, LineMatchingSettings, LinePair, LineUpdate, STATES};
 use loc_maps::LineMap;
+use loc_sensors::event::{Control, Measurement};
 use std::sync::Arc;
 
 #[derive(Debug)]

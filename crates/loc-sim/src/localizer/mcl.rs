@@ -1,13 +1,13 @@
 //! `mcl`: Monte Carlo localization with a laser in an occupancy grid (M).
 
 use super::{Cloud, Estimate, Hypothesis, Judgement, Localizer, MethodSettings};
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_core::random::stream;
 use loc_pf::Mcl;
 use loc_pf::mcl::{MountedScan, Update};
+use loc_sensors::event::{Control, Measurement};
 
 #[derive(Debug)]
 pub(super) struct ScanMcl {

@@ -8,7 +8,7 @@ use super::fastslam::FastSlamMethod;
 use super::fusion::Fusion;
 use super::histogram::Histogram;
 use super::kf_slam::KfSlamMethod;
-use super::landmark_mcl::SightMcl;
+use super::landmark_mcl::ObservationMcl;
 use super::lateration::Lateration;
 use super::line_ekf::LineMatching;
 use super::mcl::ScanMcl;
@@ -22,7 +22,7 @@ use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
 use loc_filters::slam::SlamSettings;
 use loc_filters::{ExtendedKalmanFilter as Extended, UnscentedKalmanFilter as Unscented};
-use loc_pf::sensor::landmark::SightModel;
+use loc_pf::sensor::landmark::ObservationModel;
 use loc_pf::{FastSlamSettings, LandmarkMclSettings, MclSettings};
 use std::str::FromStr;
 
@@ -91,7 +91,7 @@ pub struct MethodSettings {
     pub fusion: FusionSettings,
     /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
     pub slam: SlamSettings,
-    /// Whether `ekf-slam` keeps the noise of sightings that stands in its own settings.
+    /// Whether `ekf-slam` keeps the noise of observations that stands in its own settings.
     pub slam_own_noise: bool,
     /// For `fastslam`; what it shares with `ekf-slam`, it takes from there.
     pub fastslam: FastSlamSettings,
@@ -118,21 +118,33 @@ pub struct RailSettings {
 impl MethodSettings {
     /// Settings of the particle filter among landmarks, with what all methods there are told.
     pub fn landmark_mcl(&self) -> LandmarkMclSettings {
-        let LandmarkSettings { integration, motion_noise, sight_noise, mounting, horizon, .. } =
-            self.landmark;
+        let LandmarkSettings {
+            integration,
+            motion_noise,
+            observation_noise,
+            mounting,
+            horizon,
+            ..
+        } = self.landmark;
         let own = self.landmark_mcl;
-        let sights = SightModel { noise: sight_noise, mounting, ..own.sights };
+        let sights = ObservationModel { noise: observation_noise, mounting, ..own.sights };
         LandmarkMclSettings { integration, motion_noise, sights, horizon, ..own }
     }
 
     /// Settings of lateration, with what all methods among landmarks are told.
     pub fn lateration(&self) -> SlidingSettings {
-        let LandmarkSettings { integration, motion_noise, sight_noise, mounting, horizon, .. } =
-            self.landmark;
+        let LandmarkSettings {
+            integration,
+            motion_noise,
+            observation_noise,
+            mounting,
+            horizon,
+            ..
+        } = self.landmark;
         SlidingSettings {
             integration,
             motion_noise,
-            range_noise: sight_noise,
+            range_noise: observation_noise,
             antenna: mounting.position(),
             horizon,
             ..self.lateration
@@ -146,7 +158,7 @@ impl MethodSettings {
         let LandmarkSettings {
             integration,
             motion_noise,
-            sight_noise,
+            observation_noise,
             mounting,
             gate_probability,
             horizon,
@@ -154,7 +166,7 @@ impl MethodSettings {
         FusionSettings {
             integration,
             motion_noise,
-            sight_noise,
+            observation_noise,
             mounting,
             gate_probability,
             horizon,
@@ -169,16 +181,17 @@ impl MethodSettings {
         let LandmarkSettings {
             integration,
             motion_noise,
-            sight_noise,
+            observation_noise,
             mounting,
             gate_probability,
             ..
         } = self.landmark;
-        let sight_noise = if self.slam_own_noise { self.slam.sight_noise } else { sight_noise };
+        let observation_noise =
+            if self.slam_own_noise { self.slam.observation_noise } else { observation_noise };
         SlamSettings {
             integration,
             motion_noise,
-            sight_noise,
+            observation_noise,
             mounting,
             gate_probability,
             ..self.slam
@@ -190,7 +203,7 @@ impl MethodSettings {
         let SlamSettings {
             integration,
             motion_noise,
-            sight_noise,
+            observation_noise,
             mounting,
             gate_probability,
             identities,
@@ -200,7 +213,7 @@ impl MethodSettings {
         FastSlamSettings {
             integration,
             motion_noise,
-            sight_noise,
+            observation_noise,
             mounting,
             gate_probability,
             identities,
@@ -315,7 +328,7 @@ impl Method {
                 Box::new(ScanMcl::new(setup, settings)?)
             }
             Method::Histogram => Box::new(Histogram::new(setup, settings)?),
-            Method::Mcl => Box::new(SightMcl::new(setup, settings)?),
+            Method::Mcl => Box::new(ObservationMcl::new(setup, settings)?),
             Method::KfSlam => Box::new(KfSlamMethod::new(setup, settings)?),
             Method::EkfSlam => Box::new(EkfSlamMethod::new(setup, settings)?),
             Method::FastSlam => Box::new(FastSlamMethod::new(setup, settings)?),

@@ -31,10 +31,10 @@ pub use sensor_error::SensorError;
 pub use whitened::Whitened;
 
 use crate::Result;
-use crate::event::{Control, Measurement};
 use loc_core::{Gaussian, Pose2};
 use loc_filters::line_matching::LineUpdate;
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::event::{Control, Measurement};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Matrix3, Point2};
 
 /// A method that follows a robot through a stream of events.
@@ -92,7 +92,7 @@ pub trait Localizer {
     }
 
     /// The particles of a method that has any, for figures: thinned to at most
-    /// [`Cloud::MOST`](cloud::Cloud::MOST).
+    /// [`Cloud::MAX`](cloud::Cloud::MAX).
     fn cloud(&self) -> Option<Cloud> {
         None
     }
@@ -162,10 +162,10 @@ impl Judgement {
     };
 }
 
-/// Where a sighting puts its landmark from a camera's pose \[m\]; `None` without a distance and a
+/// Where an observation puts its landmark from a camera's pose \[m\]; `None` without a distance and a
 /// direction.
-fn seen_at(camera: Pose2, sighting: &Sighting) -> Option<Point2<f64>> {
-    let Sight::RangeBearing { range, bearing } = sighting.sight else { return None };
+fn seen_at(camera: Pose2, observation: &LandmarkObservation) -> Option<Point2<f64>> {
+    let Observed::RangeBearing { range, bearing } = observation.sight else { return None };
     let (sin, cos) = bearing.sin_cos();
     Some(camera.transform(&Point2::new(range * cos, range * sin)))
 }

@@ -1,12 +1,12 @@
 //! `kf`, and `dead-reckoning` for a vehicle on a rail: the linear Kalman filter (G3, G4).
 
 use super::{Estimate, Judgement, Localizer, RailSettings};
-use crate::event::{Control, Measurement};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_core::{Gaussian, Pose2};
 use loc_filters::kalman::{KalmanFilter, LinearMeasurement, LinearMotion};
 use loc_filters::{Gate, Innovation};
+use loc_sensors::event::{Control, Measurement};
 use nalgebra::{Matrix1, Matrix1x2, Matrix2, Matrix2x1, Matrix3, Point2, Vector1};
 
 /// State (x, v) \[m, m/s\] under a commanded acceleration.

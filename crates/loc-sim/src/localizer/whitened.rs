@@ -7,7 +7,7 @@ use std::ops::Deref;
 /// covariance S promises. From an honest filter its numbers are independent of each other and of
 /// all that came before, with mean 0 and variance 1.
 ///
-/// A slice of at most [`Whitened::MOST`] numbers; empty for a method that computes none.
+/// A slice of at most [`Whitened::MAX`] numbers; empty for a method that computes none.
 ///
 /// ```
 /// use loc_sim::localizer::Whitened;
@@ -18,21 +18,21 @@ use std::ops::Deref;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Whitened {
-    values: [f64; Whitened::MOST],
+    values: [f64; Whitened::MAX],
     count: usize,
 }
 
 impl Whitened {
     /// The most numbers of one measurement that are kept.
-    pub const MOST: usize = 3;
+    pub const MAX: usize = 3;
     /// No innovation.
-    pub const NONE: Whitened = Whitened { values: [0.0; Whitened::MOST], count: 0 };
+    pub const NONE: Whitened = Whitened { values: [0.0; Whitened::MAX], count: 0 };
 }
 
 impl<const M: usize> From<SVector<f64, M>> for Whitened {
     /// Of a longer vector, the first numbers.
     fn from(vector: SVector<f64, M>) -> Self {
-        let mut whitened = Whitened { count: M.min(Whitened::MOST), ..Whitened::NONE };
+        let mut whitened = Whitened { count: M.min(Whitened::MAX), ..Whitened::NONE };
         for (value, given) in whitened.values.iter_mut().zip(vector.iter()) {
             *value = *given;
         }

@@ -5,7 +5,6 @@
 //! or else the last one, is the one whose map -> odom is written.
 
 use crate::Result;
-use crate::event::{Control, Event, Measurement, Payload};
 use crate::localizer::{Estimate, Localizer};
 use crate::odometry::Driven;
 use crate::runner::Watcher;
@@ -17,6 +16,7 @@ use crate::source::ros::messages::{
     Stamp, TfMessage, TransformStamped,
 };
 use loc_core::{Pose2, Twist2};
+use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sensors::laser;
 
 const MAP: &str = "map";

@@ -1,11 +1,11 @@
 //! A run as a film: what was to be seen at each moment.
 
 use crate::Result;
-use crate::event::{Event, Measurement, Payload};
 use crate::localizer::{Hypothesis, Localizer};
 use crate::runner::Watcher;
 use loc_core::Pose2;
-use loc_sensors::landmark_camera::Sight;
+use loc_sensors::event::{Event, Measurement, Payload};
+use loc_sensors::landmark_camera::Observed;
 use std::f64::consts::TAU;
 
 /// The most moments that are kept: a quarter of an hour at 10 Hz.
@@ -121,9 +121,9 @@ impl Seen {
                 thin(&mut self.scan, POINTS);
             }
             // Where the camera sits is known to the methods alone; at this scale it is the robot.
-            Measurement::Landmarks(sightings) => {
-                for sighting in sightings {
-                    if let Sight::RangeBearing { range, bearing } = sighting.sight {
+            Measurement::Landmarks(observations) => {
+                for observation in observations {
+                    if let Observed::RangeBearing { range, bearing } = observation.sight {
                         let (sin, cos) = bearing.sin_cos();
                         self.sights.push([(range * cos) as f32, (range * sin) as f32]);
                     }

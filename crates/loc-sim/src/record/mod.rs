@@ -1,13 +1,13 @@
 //! What a run leaves behind: the truth, and each method's estimates at the same stamps. A
 //! recording may come without a truth; its estimates are those at its scans.
 
-use crate::event::Truth;
 use crate::localizer::{
     Estimate, EstimatedMap, Judgement, Method, MethodSettings, PlaceBelief, SensorError,
 };
 use crate::metrics::pose_nees_with_freedom;
 use crate::source::{OdometryTiming, SensorTruth, Setup};
 use loc_core::{Pose2, Stamped};
+use loc_sensors::event::Truth;
 use std::borrow::Cow;
 
 mod film;

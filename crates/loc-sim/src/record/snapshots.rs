@@ -3,7 +3,7 @@
 use crate::localizer::Cloud;
 use loc_core::Stamped;
 
-/// What one method believed, such as its clouds: at most [`Snapshots::MOST`]. The first ones are
+/// What one method believed, such as its clouds: at most [`Snapshots::MAX`]. The first ones are
 /// all kept, since that is when a method finds the robot, and so are those after a kidnapping; the
 /// others lie at even distances over the rest of the run.
 ///
@@ -16,7 +16,7 @@ use loc_core::Stamped;
 ///     let pose = Pose2::new(f64::from(k), 0.0, 0.0);
 ///     snapshots.offer(f64::from(k), Cloud { particles: vec![(pose, 1.0)], weighed: None });
 /// }
-/// assert!(snapshots.len() <= Snapshots::MOST);
+/// assert!(snapshots.len() <= Snapshots::MAX);
 /// let stamps: Vec<f64> = snapshots.iter().map(|snapshot| snapshot.stamp).collect();
 /// assert_eq!(stamps[..3], [0.0, 1.0, 2.0]);
 /// assert!(stamps.contains(&501.0) && stamps.last() > Some(&950.0));
@@ -38,7 +38,7 @@ pub struct Snapshots<T = Cloud> {
 
 impl Snapshots {
     /// The most that are kept.
-    pub const MOST: usize = 64;
+    pub const MAX: usize = 64;
     /// How many are kept whatever comes after them: at the start, and after a kidnapping.
     pub const FIRST: usize = 16;
 }
@@ -81,7 +81,7 @@ impl<T: Clone + PartialEq> Snapshots<T> {
     fn keep(&mut self, number: Option<usize>, stamp: f64, value: T) {
         self.kept.push(Stamped { stamp, value });
         self.numbers.push(number);
-        if self.kept.len() > Snapshots::MOST {
+        if self.kept.len() > Snapshots::MAX {
             self.every = 2 * self.every.max(1);
             let every = self.every;
             let stays = |number: &Option<usize>| number.is_none_or(|n| n.is_multiple_of(every));

@@ -17,8 +17,8 @@ pub struct FastSlamConfig {
     /// Share of right pairs that the gate of the association lets pass.
     pub association_probability: Option<f64>,
     /// How much likelier than any other explanation a pair must be.
-    pub least_ratio: Option<f64>,
-    /// Share of sightings that are expected to be of something new.
+    pub min_ratio: Option<f64>,
+    /// Share of observations that are expected to be of something new.
     pub new_share: Option<f64>,
     /// Probability that a landmark in the middle of the view is not seen.
     pub miss_share: Option<f64>,
@@ -37,7 +37,7 @@ impl FastSlamConfig {
         let mut settings = FastSlamSettings::default();
         let put = |to: &mut f64, from: Option<f64>| *to = from.unwrap_or(*to);
         put(&mut settings.association.gate_probability, self.association_probability);
-        put(&mut settings.association.least_ratio, self.least_ratio);
+        put(&mut settings.association.min_ratio, self.min_ratio);
         put(&mut settings.new_share, self.new_share);
         put(&mut settings.miss_share, self.miss_share);
         put(&mut settings.resample_below, self.resample_below);

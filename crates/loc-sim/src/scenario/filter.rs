@@ -3,7 +3,7 @@
 use super::{FastSlamConfig, FusionConfig, LandmarkMclConfig, LaterationConfig, SlamConfig};
 use crate::Result;
 use crate::localizer::MethodSettings;
-use crate::source::{OdometryNoiseConfig, SightNoiseConfig};
+use crate::source::{ObservationNoiseConfig, OdometryNoiseConfig};
 use loc_core::error::{non_negative, positive};
 use loc_core::motion::Integration;
 use loc_filters::histogram::GridSettings;
@@ -20,9 +20,9 @@ pub struct FilterConfig {
     pub integration: Integration,
     /// How far odometry is believed to be off.
     pub odometry: Option<OdometryNoiseConfig>,
-    /// How far sightings are believed to be off.
-    pub camera: Option<SightNoiseConfig>,
-    /// Share of right sightings that the gate lets pass, 1 for no gate.
+    /// How far observations are believed to be off.
+    pub camera: Option<ObservationNoiseConfig>,
+    /// Share of right observations that the gate lets pass, 1 for no gate.
     pub gate_probability: Option<f64>,
     /// How late an input may come.
     pub horizon_s: Option<f64>,
@@ -85,7 +85,7 @@ impl FilterConfig {
             settings.motion_noise = noise.noise()?;
         }
         if let Some(noise) = &self.camera {
-            settings.sight_noise = noise.noise()?;
+            settings.observation_noise = noise.noise()?;
         }
         if let Some(probability) = self.gate_probability {
             settings.gate_probability = positive("filter.gate_probability", probability)?;

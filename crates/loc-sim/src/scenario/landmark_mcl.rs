@@ -10,13 +10,13 @@ use serde::Deserialize;
 pub struct LandmarkMclConfig {
     /// Number of particles.
     pub particles: Option<usize>,
-    /// Share of sightings that say nothing, such as misread numbers.
+    /// Share of observations that say nothing, such as misread numbers.
     pub outlier_share: Option<f64>,
     /// Distance within which the wrong ones lie.
     pub outlier_range_m: Option<f64>,
     /// How far the robot may be outside of the box around the landmarks.
     pub margin_m: Option<f64>,
-    /// Decay of the slow average of how well sightings fit.
+    /// Decay of the slow average of how well observations fit.
     pub alpha_slow: Option<f64>,
     /// Decay of the fast one; 0 for no recovery.
     pub alpha_fast: Option<f64>,

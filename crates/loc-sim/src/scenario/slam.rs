@@ -1,7 +1,7 @@
 //! Settings of `ekf-slam`, in the units of configuration files.
 
 use crate::Result;
-use crate::source::SightNoiseConfig;
+use crate::source::ObservationNoiseConfig;
 use loc_filters::association::Rule;
 use loc_filters::slam::{Identities, Jacobians, SlamSettings};
 use serde::Deserialize;
@@ -15,9 +15,9 @@ pub struct SlamConfig {
     pub identities: Identities,
     /// `invariant`, `current`, or `first` for first estimates.
     pub jacobians: Jacobians,
-    /// How far sightings are believed to be off, where that is not as for the other methods.
-    pub camera: Option<SightNoiseConfig>,
-    /// Share of the variance of sightings that those of one moment have in common.
+    /// How far observations are believed to be off, where that is not as for the other methods.
+    pub camera: Option<ObservationNoiseConfig>,
+    /// Share of the variance of observations that those of one moment have in common.
     pub common_share: Option<f64>,
     /// How long that lasts.
     pub common_time_s: Option<f64>,
@@ -26,14 +26,14 @@ pub struct SlamConfig {
     /// Share of right pairs that the gate of the association lets pass.
     pub association_probability: Option<f64>,
     /// How much likelier than any other explanation a pair must be.
-    pub least_ratio: Option<f64>,
+    pub min_ratio: Option<f64>,
     /// The same for two landmarks that become one.
     pub merge_ratio: Option<f64>,
     /// The most landmarks in the map.
-    pub most_landmarks: Option<usize>,
-    /// The score from which on a landmark is no longer provisional: 1 for one sighting.
+    pub max_landmarks: Option<usize>,
+    /// The score from which on a landmark is no longer provisional: 1 for one observation.
     pub confirm_score: Option<f64>,
-    /// What a sighting that contradicts a landmark takes from its score.
+    /// What an observation that contradicts a landmark takes from its score.
     pub contradiction_cost: Option<f64>,
     /// Works on the landmarks within this radius at a time.
     pub submap_radius_m: Option<f64>,
@@ -50,17 +50,17 @@ impl SlamConfig {
         settings.identities = self.identities;
         settings.jacobians = self.jacobians;
         if let Some(noise) = &self.camera {
-            settings.sight_noise = noise.noise()?;
+            settings.observation_noise = noise.noise()?;
         }
         put(&mut settings.common_share, self.common_share);
         put(&mut settings.common_time, self.common_time_s);
         settings.association.rule = self.association;
         put(&mut settings.association.gate_probability, self.association_probability);
-        put(&mut settings.association.least_ratio, self.least_ratio);
+        put(&mut settings.association.min_ratio, self.min_ratio);
         put(&mut settings.map.merge_ratio, self.merge_ratio);
         put(&mut settings.map.confirm_score, self.confirm_score);
         put(&mut settings.map.contradiction_cost, self.contradiction_cost);
-        settings.map.most_landmarks = self.most_landmarks.unwrap_or(settings.map.most_landmarks);
+        settings.map.max_landmarks = self.max_landmarks.unwrap_or(settings.map.max_landmarks);
         settings.submap_radius = self.submap_radius_m;
         settings.check()?;
         Ok(settings)

@@ -38,7 +38,7 @@ pub(super) struct Step {
     pub(super) change: Twist2,
 }
 
-const MOST_STEPS: f64 = 1e6;
+const MAX_STEPS: f64 = 1e6;
 /// The robot stands for this long before it starts \[s\].
 const STAND: f64 = 2.0;
 /// How far it looks ahead, and in what steps \[s\].
@@ -62,7 +62,7 @@ impl DriveSettings {
         positive("drive.speed [m/s]", self.speed)?;
         positive("drive.time_step [s]", self.time_step)?;
         let steps = (self.duration / self.time_step).round();
-        if !(1.0..=MOST_STEPS).contains(&steps) {
+        if !(1.0..=MAX_STEPS).contains(&steps) {
             let expected = "a duration of 1 to 1000000 time steps";
             return Err(field("drive.duration", expected, &self.duration.to_string()));
         }

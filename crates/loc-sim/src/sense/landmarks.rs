@@ -8,7 +8,7 @@ use crate::output::svg::{Chart, Figure, Role};
 use loc_core::{Ellipse, Gaussian, Pose2, angle};
 use loc_maps::grid::Occupancy;
 use loc_maps::{Landmark, LandmarkMap, Occluded};
-use loc_sensors::landmark_camera::{LandmarkCamera, LandmarkNoise, Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkCamera, LandmarkNoise, LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -23,7 +23,7 @@ pub(super) const SENSOR: Sensor = Sensor {
     take,
 };
 
-const MOST: usize = 1000;
+const MAX: usize = 1000;
 /// A wall this close before a landmark does not hide it \[m\]: it hangs there.
 const SLACK: f64 = 0.15;
 
@@ -37,7 +37,7 @@ struct Settings {
 
 /// A landmark in view: where it is, and where the camera puts it.
 struct Seen {
-    sighting: Sighting,
+    observation: LandmarkObservation,
     range: f64,
     bearing: f64,
 }
@@ -60,7 +60,7 @@ fn take(station: &Station) -> Result<Taken> {
     let settings = station.settings(Settings { camera, count: 16 })?;
     let camera = settings.camera;
     camera.check()?;
-    if !(1..=MOST).contains(&settings.count) {
+    if !(1..=MAX).contains(&settings.count) {
         return Err(field("count", "1 to 1000 landmarks", &settings.count.to_string()));
     }
     let landmarks = match station.place.landmarks() {
@@ -77,26 +77,26 @@ fn take(station: &Station) -> Result<Taken> {
     };
     let view = |pose| perfect.observe(&world, pose, &mut station.errors());
     let pose = station.pose_or(|place| place.best_view(0.8, |pose| view(pose).len() as f64))?;
-    let sightings = camera.observe(&world, pose, &mut station.errors());
+    let observations = camera.observe(&world, pose, &mut station.errors());
     let eye = pose * camera.mounting;
     let truth = view(pose);
-    let seen: Vec<Seen> = sightings.iter().filter_map(|s| seen(*s, &landmarks, eye)).collect();
+    let seen: Vec<Seen> = observations.iter().filter_map(|s| seen(*s, &landmarks, eye)).collect();
 
     let mut taken = Taken::new(pose, &settings);
-    let range_error = |seen: &Seen| seen.sighting.sight.range().map(|r| r - seen.range);
-    let turn = |s: &Seen| s.sighting.sight.bearing().map(|b| angle::difference(b, s.bearing));
+    let range_error = |seen: &Seen| seen.observation.sight.range().map(|r| r - seen.range);
+    let turn = |s: &Seen| s.observation.sight.bearing().map(|b| angle::difference(b, s.bearing));
     taken.tell("landmarks", landmarks.len());
     taken.tell("in_view", truth.len());
-    taken.tell("seen", sightings.len());
+    taken.tell("seen", observations.len());
     taken.tell("range_error_rms_m", rms(seen.iter().filter_map(range_error)));
     taken.tell("bearing_error_rms_deg", rms(seen.iter().filter_map(turn)).to_degrees());
     taken.table(
-        "sightings.csv",
+        "observations.csv",
         ["landmark", "range_m", "bearing_rad", "true_range_m", "true_bearing_rad"],
         seen.iter().map(|seen| {
-            let sight = seen.sighting.sight;
+            let sight = seen.observation.sight;
             let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
-            let id = f64::from(seen.sighting.landmark);
+            let id = f64::from(seen.observation.landmark);
             [id, or_none(sight.range()), or_none(sight.bearing()), seen.range, seen.bearing]
         }),
     );
@@ -106,12 +106,12 @@ fn take(station: &Station) -> Result<Taken> {
     Ok(taken)
 }
 
-/// The sighting beside the truth; numbers that were misread are compared with what they claim.
-fn seen(sighting: Sighting, landmarks: &LandmarkMap, eye: Pose2) -> Option<Seen> {
-    let position = landmarks.get(sighting.landmark)?.position.xy();
+/// The observation beside the truth; numbers that were misread are compared with what they claim.
+fn seen(observation: LandmarkObservation, landmarks: &LandmarkMap, eye: Pose2) -> Option<Seen> {
+    let position = landmarks.get(observation.landmark)?.position.xy();
     let way = position - eye.position();
     let bearing = angle::wrap(way.y.atan2(way.x) - eye.theta);
-    Some(Seen { sighting, range: way.norm(), bearing })
+    Some(Seen { observation, range: way.norm(), bearing })
 }
 
 /// Landmarks on walls that border on free space, spread evenly: each as far as possible from all
@@ -145,14 +145,14 @@ fn on_walls(place: &Place, count: usize) -> Result<LandmarkMap> {
 
 /// Where a sight puts its landmark; a missing number is taken from the truth.
 fn measured(seen: &Seen, eye: Pose2) -> Point2<f64> {
-    let sight = seen.sighting.sight;
+    let sight = seen.observation.sight;
     let range = sight.range().unwrap_or(seen.range);
     let (sin, cos) = sight.bearing().unwrap_or(seen.bearing).sin_cos();
     eye.transform(&Point2::new(range * cos, range * sin))
 }
 
 fn two_sigma(seen: &Seen, eye: Pose2, noise: &LandmarkNoise) -> Option<Ellipse> {
-    let Sight::RangeBearing { range, bearing } = seen.sighting.sight else { return None };
+    let Observed::RangeBearing { range, bearing } = seen.observation.sight else { return None };
     let (along, across) = (noise.range_sigma_at(range), range * noise.bearing_sigma);
     let turn = Pose2::new(0.0, 0.0, eye.theta + bearing).rotation();
     let covariance =
@@ -201,8 +201,9 @@ fn over_map(
 }
 
 fn errors(seen: &[Seen], noise: &LandmarkNoise, preset: &str) -> String {
-    let ranges = seen.iter().filter_map(|s| Some((s.range, s.sighting.sight.range()? - s.range)));
-    let turn = |s: &Seen| Some(angle::difference(s.sighting.sight.bearing()?, s.bearing));
+    let ranges =
+        seen.iter().filter_map(|s| Some((s.range, s.observation.sight.range()? - s.range)));
+    let turn = |s: &Seen| Some(angle::difference(s.observation.sight.bearing()?, s.bearing));
     let turns = seen.iter().filter_map(|s| Some((s.range, turn(s)?.to_degrees())));
     let farthest = seen.iter().map(|seen| seen.range).fold(0.5, f64::max);
     let span = || (0..=20).map(|k| f64::from(k) / 20.0 * farthest);
@@ -213,12 +214,12 @@ fn errors(seen: &[Seen], noise: &LandmarkNoise, preset: &str) -> String {
     let angles = 2.0 * noise.bearing_sigma.to_degrees();
     let range = Chart::new("error of the range [m]")
         .band(Role::Method(1), "2 sigma", band)
-        .points(Role::Method(1).width(5.0), "sighting", ranges)
+        .points(Role::Method(1).width(5.0), "observation", ranges)
         .reference(0.0, "");
     let bearing = Chart::new("error of the bearing [deg]")
         .band(Role::Method(1), "2 sigma", span().map(|range| (range, -angles, angles)))
-        .points(Role::Method(1).width(5.0), "sighting", turns)
+        .points(Role::Method(1).width(5.0), "observation", turns)
         .reference(0.0, "");
-    let figure = Figure::new("Errors of the sightings").subtitle(preset);
+    let figure = Figure::new("Errors of the observations").subtitle(preset);
     figure.x_label("true range [m]").panel(range).panel(bearing).render()
 }

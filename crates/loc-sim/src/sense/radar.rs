@@ -26,7 +26,7 @@ pub(super) const SENSOR: Sensor = Sensor {
 
 /// Radius of a person \[m\].
 const PERSON: f64 = 0.25;
-const MOST: usize = 1000;
+const MAX: usize = 1000;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -57,7 +57,7 @@ fn take(station: &Station) -> Result<Taken> {
     radar.check()?;
     check_twist(velocity)?;
     loc_core::error::non_negative("people_speed [m/s]", settings.people_speed)?;
-    if people > MOST {
+    if people > MAX {
         return Err(field("people", "at most 1000", &people.to_string()));
     }
     let pose =

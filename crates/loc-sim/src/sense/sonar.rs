@@ -22,7 +22,7 @@ pub(super) const SENSOR: Sensor = Sensor {
     take,
 };
 
-const MOST: usize = 1000;
+const MAX: usize = 1000;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -52,7 +52,7 @@ fn take(station: &Station) -> Result<Taken> {
     let settings = station.settings(Settings { count, ring_radius: 0.2, spec })?;
     settings.spec.check()?;
     loc_core::error::non_negative("ring_radius [m]", settings.ring_radius)?;
-    if !(1..=MOST).contains(&settings.count) {
+    if !(1..=MAX).contains(&settings.count) {
         return Err(field("count", "1 to 1000 sonars", &settings.count.to_string()));
     }
     let pose = station.pose_or(view)?;

@@ -3,7 +3,7 @@
 use super::reorder::Reorder;
 use super::{Setup, Source};
 use crate::Result;
-use crate::event::{Control, Event, Measurement, Payload};
+use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sensors::landmark_camera::CameraCalibration;
 use loc_sensors::wheel::OdometryCalibration;
 
@@ -41,9 +41,9 @@ impl<S: Source> Calibrated<S> {
                 *twist = self.odometry.correct(*twist);
                 event.stamp += self.odometry.delay;
             }
-            Payload::Measurement(Measurement::Landmarks(sightings)) => {
-                for sighting in sightings {
-                    sighting.sight = self.camera.correct(sighting.sight);
+            Payload::Measurement(Measurement::Landmarks(observations)) => {
+                for observation in observations {
+                    observation.sight = self.camera.correct(observation.sight);
                 }
                 event.stamp -= self.camera.delay;
             }

@@ -23,7 +23,7 @@ pub use drive::SimulatedDrive;
 pub use landmarks::LandmarkRecording;
 pub use laser_log::LaserRecording;
 pub use mrclam::Mrclam;
-pub use noise::{OdometryNoiseConfig, SightNoiseConfig};
+pub use noise::{ObservationNoiseConfig, OdometryNoiseConfig};
 pub use outdoor::SimulatedOutdoor;
 pub use rail::SimulatedRail;
 pub use ranging::RangeRecording;
@@ -31,9 +31,9 @@ pub use ros::RosRecording;
 pub use tour::SimulatedTour;
 
 use crate::Result;
-use crate::event::Event;
 use loc_core::Gaussian;
 use loc_maps::{LandmarkMap, LineMap, OccupancyGrid};
+use loc_sensors::event::Event;
 use std::sync::Arc;
 
 /// What is known before the first event.
@@ -116,7 +116,7 @@ pub trait Source {
     /// What is wrong with the recording, and where.
     fn next_event(&mut self) -> Result<Option<Event>>;
 
-    /// What was passed over, as counted lines for the user: `3 sightings of unknown barcodes`.
+    /// What was passed over, as counted lines for the user: `3 observations of unknown barcodes`.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }

@@ -3,16 +3,16 @@
 //! A folder holds `Barcodes.dat` (subject, barcode), `Landmark_Groundtruth.dat` (subject, x, y and
 //! their deviations) and for each robot k `Robotk_Odometry.dat` (t, v, omega),
 //! `Robotk_Measurement.dat` (t, barcode, range, bearing) and `Robotk_Groundtruth.dat` (t, x, y,
-//! theta). Subjects 1 to 5 are the robots themselves; a sighting of one says nothing about a
+//! theta). Subjects 1 to 5 are the robots themselves; an observation of one says nothing about a
 //! place and is passed over, as is a barcode that nobody wears.
 
 use super::{Setup, Source};
-use crate::event::{Control, Event, Measurement, Payload, Truth};
 use crate::{Error, Result};
 use loc_core::table::{Row, Table};
 use loc_core::{Gaussian, Pose2, Trajectory, Twist2};
 use loc_maps::{Landmark, LandmarkMap};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::event::{Control, Event, Measurement, Payload, Truth};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ impl Mrclam {
         let landmarks = read_landmarks(&folder.join("Landmark_Groundtruth.dat"))?;
         let odometry = read_odometry(&file("Odometry"))?;
         let truth = read_truth(&file("Groundtruth"))?;
-        let sightings = read_measurements(&file("Measurement"))?;
+        let observations = read_measurements(&file("Measurement"))?;
 
         let (start, start_pose) = common_start(folder, &odometry, &truth)?;
         let end = odometry.last().map_or(start, |event| event.stamp);
@@ -75,7 +75,7 @@ impl Mrclam {
             robots_seen: 0,
         };
         let mut events = odometry;
-        events.extend(recording.name_landmarks(sightings, &subjects));
+        events.extend(recording.name_landmarks(observations, &subjects));
         events.extend(truth.iter().map(|pose| {
             let truth = Truth { pose: pose.value, speed: None };
             Event::now(pose.stamp, Payload::Truth(truth))
@@ -86,11 +86,11 @@ impl Mrclam {
         Ok(recording)
     }
 
-    /// Turns barcodes into landmark numbers, counts the others, and puts the sightings of one
+    /// Turns barcodes into landmark numbers, counts the others, and puts the observations of one
     /// stamp together.
     fn name_landmarks(
         &mut self,
-        seen: Vec<(f64, u32, Sight)>,
+        seen: Vec<(f64, u32, Observed)>,
         subjects: &HashMap<u32, u32>,
     ) -> Vec<Event> {
         let mut events: Vec<Event> = Vec::new();
@@ -106,15 +106,15 @@ impl Mrclam {
                 }
                 Some(&subject) => subject,
             };
-            let sighting = Sighting { landmark, sight };
+            let observation = LandmarkObservation { landmark, sight };
             match events.last_mut() {
                 Some(Event {
                     stamp: last,
                     payload: Payload::Measurement(Measurement::Landmarks(group)),
                     ..
-                }) if *last >= stamp => group.push(sighting),
+                }) if *last >= stamp => group.push(observation),
                 _ => {
-                    let measurement = Measurement::Landmarks(vec![sighting]);
+                    let measurement = Measurement::Landmarks(vec![observation]);
                     events.push(Event::now(stamp, Payload::Measurement(measurement)));
                 }
             }
@@ -136,12 +136,12 @@ impl Source for Mrclam {
         let mut notes = Vec::new();
         if self.unknown_barcodes > 0 {
             notes.push(format!(
-                "{} sightings of unknown barcodes passed over",
+                "{} observations of unknown barcodes passed over",
                 self.unknown_barcodes
             ));
         }
         if self.robots_seen > 0 {
-            notes.push(format!("{} sightings of other robots passed over", self.robots_seen));
+            notes.push(format!("{} observations of other robots passed over", self.robots_seen));
         }
         notes
     }
@@ -203,7 +203,7 @@ fn read_truth(file: &Path) -> Result<Trajectory> {
     Ok(truth)
 }
 
-fn read_measurements(file: &Path) -> Result<Vec<(f64, u32, Sight)>> {
+fn read_measurements(file: &Path) -> Result<Vec<(f64, u32, Observed)>> {
     let table = Table::read(file, &["time", "barcode", "range", "bearing"])?;
     let mut seen = Vec::new();
     let mut last = f64::NEG_INFINITY;
@@ -214,7 +214,7 @@ fn read_measurements(file: &Path) -> Result<Vec<(f64, u32, Sight)>> {
         if range < 0.0 {
             return Err(row.error("range", "a distance >= 0", row.text("range")?).into());
         }
-        let sight = Sight::RangeBearing { range, bearing: row.number("bearing")? };
+        let sight = Observed::RangeBearing { range, bearing: row.number("bearing")? };
         seen.push((stamp, row.whole_number("barcode")?, sight));
     }
     not_empty(seen.is_empty(), file, "measurements")?;

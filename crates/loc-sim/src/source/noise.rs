@@ -20,7 +20,7 @@ pub struct OdometryNoiseConfig {
 /// Noise of a landmark camera, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SightNoiseConfig {
+pub struct ObservationNoiseConfig {
     /// Of the distance, at the camera.
     pub range_sigma_m: f64,
     /// Its growth with the distance.
@@ -41,7 +41,7 @@ impl OdometryNoiseConfig {
     }
 }
 
-impl SightNoiseConfig {
+impl ObservationNoiseConfig {
     /// The library's form.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! A queue that gives events back in order of arrival.
 
-use crate::event::Event;
+use loc_sensors::event::Event;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 

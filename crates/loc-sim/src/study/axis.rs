@@ -7,7 +7,7 @@ use std::fmt;
 use toml::Value;
 
 /// The most values of a range.
-const MOST: usize = 1_000_000;
+const MAX: usize = 1_000_000;
 
 /// What belongs to the scenario or the study as a whole, and is no setting.
 const FIXED: [&str; 6] = ["name", "title", "ids", "seed", "methods", "also_in_frame"];
@@ -133,7 +133,7 @@ fn range(text: &str) -> Result<Option<Vec<AxisValue>>, String> {
         return Ok(None);
     };
     let (Ok(from), Ok(to)) = (first.parse::<f64>(), last.parse::<f64>()) else { return Ok(None) };
-    let steps = count.parse::<usize>().ok().filter(|count| (2..=MOST).contains(count));
+    let steps = count.parse::<usize>().ok().filter(|count| (2..=MAX).contains(count));
     let steps = steps.ok_or_else(|| (*count).to_owned())? - 1;
     if !from.is_finite() || !to.is_finite() {
         return Err(text.to_owned());

@@ -7,7 +7,7 @@ use crate::Result;
 use crate::config::field;
 
 /// The most runs of a study.
-pub const MOST_RUNS: u64 = 1_000_000;
+pub const MAX_RUNS: u64 = 1_000_000;
 
 /// A grid of settings, each combination of which (a cell) is run under the same seeds: what
 /// differs between two cells is then the setting, not the luck.
@@ -32,7 +32,7 @@ impl Grid {
     /// All combinations of the values of `axes`, each under `runs` seeds from `first_seed` on.
     ///
     /// # Errors
-    /// [`Error::Config`] for no runs, more than [`MOST_RUNS`], seeds beyond 64 bits, and an axis
+    /// [`Error::Config`] for no runs, more than [`MAX_RUNS`], seeds beyond 64 bits, and an axis
     /// that comes twice.
     pub fn new(axes: Vec<Axis>, first_seed: u64, runs: u64) -> Result<Self> {
         if runs == 0 {
@@ -46,15 +46,15 @@ impl Grid {
         let lengths = axes.iter().map(|axis| axis.values().len() as u128);
         let cells = lengths.fold(1_u128, u128::saturating_mul);
         let total = cells.saturating_mul(u128::from(runs));
-        if total > u128::from(MOST_RUNS) {
+        if total > u128::from(MAX_RUNS) {
             let found = format!("{cells} settings x {runs} runs = {total}");
-            return Err(field("--runs, --vary", &format!("at most {MOST_RUNS} runs"), &found));
+            return Err(field("--runs, --vary", &format!("at most {MAX_RUNS} runs"), &found));
         }
         if first_seed.checked_add(runs - 1).is_none() {
             let found = format!("{runs} seeds from {first_seed} on");
             return Err(field("--seed", &format!("seeds up to {}", u64::MAX), &found));
         }
-        // At most MOST_RUNS.
+        // At most MAX_RUNS.
         Ok(Grid { axes, cells: cells as usize, first_seed, runs })
     }
 

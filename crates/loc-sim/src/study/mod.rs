@@ -38,7 +38,7 @@ mod success;
 mod table;
 
 pub use axis::{Axis, AxisValue};
-pub use grid::{Grid, Job, MOST_RUNS};
+pub use grid::{Grid, Job, MAX_RUNS};
 pub use group::{Group, Spread};
 pub use outcome::{CONFIDENCE, MethodOutcome, RunOutcome, TIMES};
 pub use results::Results;

@@ -1,8 +1,8 @@
 //! Recordings carried into other formats, and read back.
 
 use loc_core::Pose2;
+use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sim::convert::{Track, to_carmen, to_mcap, to_tum};
-use loc_sim::event::{Control, Event, Measurement, Payload};
 use loc_sim::source::carmen::CarmenLog;
 use loc_sim::source::laser_log::{LaserRecording, ReplayOptions, Start};
 use loc_sim::source::ros::{RosOptions, RosRecording};
@@ -99,7 +99,7 @@ fn a_missing_track_is_an_error() {
     assert_eq!(error.to_string(), "demo: expected true poses, got none");
 }
 
-/// Sightings of landmarks have no line in a CARMEN log; velocities are driven along.
+/// LandmarkObservations of landmarks have no line in a CARMEN log; velocities are driven along.
 #[test]
 fn what_has_no_place_is_counted() {
     let folder = tempfile::tempdir().unwrap();

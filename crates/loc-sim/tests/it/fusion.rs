@@ -110,7 +110,7 @@ fn wrong_settings_name_their_key() {
 fn replayed(mut source: RangeRecording) -> (f64, f64) {
     let config = RecordingConfig::parse("settings", recording::RANGING, &[]).unwrap();
     let mut settings = config.settings().unwrap();
-    settings.landmark.sight_noise = source.noise();
+    settings.landmark.observation_noise = source.noise();
     let methods = [Method::Fusion];
     assert!(source.has_truth());
     let run = runner::run(&mut source, &methods, &settings, &mut |_| {}).unwrap();

@@ -4,7 +4,7 @@ use crate::replay::{corrected, hall, open, uncorrected};
 use loc_core::{Pose2, angle};
 use loc_filters::histogram::{GridLocalizer, GridSettings};
 use loc_maps::grid::io;
-use loc_sim::event::{Control, Measurement, Payload};
+use loc_sensors::event::{Control, Measurement, Payload};
 use loc_sim::localizer::{Method, MethodSettings};
 use loc_sim::metrics::{Alignment, Summary};
 use loc_sim::output;

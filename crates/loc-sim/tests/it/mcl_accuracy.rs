@@ -5,7 +5,7 @@ use loc_core::random::stream;
 use loc_core::{Pose2, angle};
 use loc_pf::Mcl;
 use loc_pf::mcl::{MountedScan, Update};
-use loc_sim::event::{Control, Measurement, Payload};
+use loc_sensors::event::{Control, Measurement, Payload};
 use loc_sim::localizer::Method;
 use loc_sim::metrics::{ends_near, pose_nees};
 use loc_sim::record::Run;

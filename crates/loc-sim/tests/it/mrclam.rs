@@ -1,7 +1,7 @@
 //! The MRCLAM recordings: real ones where LOC_DATA_DIR is set, small written ones everywhere.
 
+use loc_sensors::event::Payload;
 use loc_sim::Error;
-use loc_sim::event::Payload;
 use loc_sim::localizer::Method;
 use loc_sim::metrics::{Alignment, Summary};
 use loc_sim::runner;
@@ -98,7 +98,10 @@ fn events_come_in_order_and_strangers_are_counted() {
     assert_eq!(events, expected);
     assert_eq!(
         notes,
-        ["1 sightings of unknown barcodes passed over", "1 sightings of other robots passed over"]
+        [
+            "1 observations of unknown barcodes passed over",
+            "1 observations of other robots passed over"
+        ]
     );
 }
 

@@ -63,8 +63,8 @@ fn global_localization_ends_at_the_truth() {
         f64::hypot(of(|pose| pose.x), of(|pose| pose.y))
     };
     let clouds: Vec<_> = run.methods[0].snapshots.iter().collect();
-    assert!(clouds.len() <= Snapshots::MOST && clouds[0].stamp == 0.0);
-    assert!(clouds.iter().all(|cloud| cloud.value.particles.len() <= Cloud::MOST));
+    assert!(clouds.len() <= Snapshots::MAX && clouds[0].stamp == 0.0);
+    assert!(clouds.iter().all(|cloud| cloud.value.particles.len() <= Cloud::MAX));
     assert!(spread(&clouds[0].value) > 20.0);
     let end = spread(&clouds[clouds.len() - 1].value);
     assert!(end < 3.0, "{end}");

@@ -2,7 +2,7 @@
 //! everywhere.
 
 use approx::assert_relative_eq;
-use loc_sim::event::{Control, Event, Measurement, Payload};
+use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sim::localizer::{Method, MethodSettings};
 use loc_sim::metrics::{Alignment, MethodSummary, Summary};
 use loc_sim::runner;
@@ -28,7 +28,7 @@ fn figures(mut source: RangeRecording, method: Method, changes: &[&str]) -> Meth
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
     let config = RecordingConfig::parse("ranging", recording::RANGING, &changes).unwrap();
     let mut settings: MethodSettings = config.settings().unwrap();
-    settings.landmark.sight_noise = source.noise();
+    settings.landmark.observation_noise = source.noise();
     let run = runner::run(&mut source, &[method], &settings, &mut |_| {}).unwrap();
     Summary::of(&run, None, Alignment::None).unwrap().methods.remove(0).1
 }

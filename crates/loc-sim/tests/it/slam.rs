@@ -1,7 +1,7 @@
 use loc_core::{Gaussian, Pose2};
 use loc_filters::slam::MapLandmark;
 use loc_maps::{Landmark, LandmarkMap};
-use loc_sim::event::Payload;
+use loc_sensors::event::Payload;
 use loc_sim::localizer::{EstimatedMap, Method};
 use loc_sim::metrics::{Alignment, Consistency, LandmarkErrors, Summary, landmark_errors};
 use loc_sim::output;
@@ -132,7 +132,7 @@ fn maps_are_compared_after_a_rigid_alignment() {
     let place = |id: u32, x: f64, y: f64| {
         let mean = moved.transform(&Point2::new(x, y)).coords;
         let position = Gaussian { mean, covariance: Matrix2::identity() };
-        MapLandmark { id, position, sightings: 9, confirmed: true }
+        MapLandmark { id, position, observations: 9, confirmed: true }
     };
     // Displaced by 0.1 m outwards along x on both sides: no rigid motion makes up for that.
     let mut landmarks =

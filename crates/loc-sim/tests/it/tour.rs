@@ -2,10 +2,10 @@
 
 use loc_core::motion::OdometryMotion;
 use loc_core::{Pose2, angle};
-use loc_sensors::landmark_camera::Sight;
+use loc_sensors::event::{Control, Event, Measurement, Payload};
+use loc_sensors::landmark_camera::Observed;
 use loc_sensors::laser::LaserScan;
 use loc_sensors::world::RangeWorld;
-use loc_sim::event::{Control, Event, Measurement, Payload};
 use loc_sim::localizer::Method;
 use loc_sim::metrics::{Alignment, Summary};
 use loc_sim::scenario::Scenario;
@@ -280,18 +280,20 @@ fn a_camera_sees_the_landmarks_that_no_wall_hides() {
     for event in events.iter().rev() {
         match &event.payload {
             Payload::Truth(truth) => pose = truth.pose,
-            Payload::Measurement(Measurement::Landmarks(sightings)) => {
-                for sighting in sightings {
-                    let place = landmarks.get(sighting.landmark).unwrap().position.xy();
+            Payload::Measurement(Measurement::Landmarks(observations)) => {
+                for observation in observations {
+                    let place = landmarks.get(observation.landmark).unwrap().position.xy();
                     let way = place - pose.position();
-                    let Sight::RangeBearing { range, bearing } = sighting.sight else { panic!() };
+                    let Observed::RangeBearing { range, bearing } = observation.sight else {
+                        panic!()
+                    };
                     assert!((range - way.norm()).abs() < 1e-9);
                     let direction = pose.theta + bearing;
                     let free = tour.world().walls().cast(&pose.position(), direction, range - 0.15);
-                    assert_eq!(free, None, "a wall before landmark {}", sighting.landmark);
+                    assert_eq!(free, None, "a wall before landmark {}", observation.landmark);
                 }
-                seen += sightings.len();
-                hidden += landmarks.iter().count() - sightings.len();
+                seen += observations.len();
+                hidden += landmarks.iter().count() - observations.len();
             }
             _ => {}
         }

@@ -3,7 +3,7 @@
 use super::innovation::JointInnovation;
 use crate::association::Pairing;
 
-/// Holds "these sightings are of these landmarks" against "they are of something else".
+/// Holds "these observations are of these landmarks" against "they are of something else".
 ///
 /// Where the robot is uncertain by metres, some landmark fits whatever is seen, and that it fits
 /// says nothing. Two that fit together say much more: what is seen twice has the same distance on
@@ -15,7 +15,7 @@ pub(in crate::association) struct Evidence<'a, P> {
 }
 
 impl<P> Evidence<'_, P> {
-    /// Leaves out partners that are not much likelier than chance, of sightings from `first` on.
+    /// Leaves out partners that are not much likelier than chance, of observations from `first` on.
     pub(in crate::association) fn drop_unsure<const M: usize>(
         &self,
         first: usize,
@@ -29,8 +29,8 @@ impl<P> Evidence<'_, P> {
             return;
         }
         let sure = self.sure_ones(&mut pairs);
-        for (sighting, partner) in (first..).zip(partners) {
-            *partner = partner.filter(|landmark| sure.contains(&(sighting, *landmark)));
+        for (observation, partner) in (first..).zip(partners) {
+            *partner = partner.filter(|landmark| sure.contains(&(observation, *landmark)));
         }
     }
 

@@ -1,6 +1,6 @@
 //! Joint compatibility by branch and bound, JCBB (Neira and Tardos 2001).
 //!
-//! A hypothesis gives each sighting a landmark or none. It is extended one sighting at a time, and
+//! A hypothesis gives each observation a landmark or none. It is extended one observation at a time, and
 //! abandoned when its pairs do not fit together, or when it cannot come to more pairs than the
 //! best one so far. Whether pairs fit together is a chi-square test on their joint innovation,
 //! whose covariance is factorised row by row as the hypothesis grows.
@@ -15,7 +15,7 @@ use super::candidates::{Candidates, Fit, SLACK};
 use super::{AssociationSettings, Pairing};
 use innovation::JointInnovation;
 
-/// The partner of each sighting, and whether the search was finished.
+/// The partner of each observation, and whether the search was finished.
 pub(super) fn search<const M: usize, P: Pairing<M>>(
     pairing: &P,
     candidates: &Candidates,
@@ -29,7 +29,7 @@ pub(super) fn search<const M: usize, P: Pairing<M>>(
         let first = partners.len();
         let last = (first + AssociationSettings::GROUP).min(candidates.fits.len());
         let mut search = Search::new(pairing, candidates, gate, (first, last), taken);
-        // Enough for the first hypothesis: each sighting with the nearest landmark that fits.
+        // Enough for the first hypothesis: each observation with the nearest landmark that fits.
         search.budget = (*budget).max(last - first + 2);
         search.extend(first);
         let doubtful = if lead > 0.0 { search.doubtful(first, lead) } else { Vec::new() };
@@ -37,7 +37,9 @@ pub(super) fn search<const M: usize, P: Pairing<M>>(
         *budget = search.budget;
         taken = search.taken;
         search.best.partners.iter().flatten().for_each(|&landmark| taken[landmark] = true);
-        doubtful.into_iter().for_each(|sighting| search.best.partners[sighting - first] = None);
+        doubtful
+            .into_iter()
+            .for_each(|observation| search.best.partners[observation - first] = None);
         if lead > 0.0 {
             let evidence = evidence::Evidence { pairing, lead };
             evidence.drop_unsure(first, &mut search.best.partners);
@@ -68,7 +70,7 @@ impl Hypothesis {
 /// A pair of the best hypothesis, which its rivals do without.
 struct Rivals {
     first: usize,
-    sighting: usize,
+    observation: usize,
     landmark: usize,
     best: Hypothesis,
 }
@@ -78,10 +80,10 @@ struct Search<'a, const M: usize, P> {
     pairing: &'a P,
     candidates: &'a Candidates,
     gate: &'a JointGate,
-    /// One beyond the last sighting of the group.
+    /// One beyond the last observation of the group.
     last: usize,
     taken: Vec<bool>,
-    /// The pairs so far, and for each sighting so far its partner.
+    /// The pairs so far, and for each observation so far its partner.
     joint: JointInnovation<M>,
     partners: Vec<Option<usize>>,
     best: Hypothesis,
@@ -119,24 +121,24 @@ impl<'a, const M: usize, P: Pairing<M>> Search<'a, M, P> {
         }
     }
 
-    /// The sightings for which another landmark would make a set of as many pairs that is less
+    /// The observations for which another landmark would make a set of as many pairs that is less
     /// likely by less than `lead`, in logarithms.
     fn doubtful(&mut self, first: usize, lead: f64) -> Vec<usize> {
         let best = self.best.clone();
         let mut doubtful = Vec::new();
-        for (sighting, partner) in (first..).zip(&best.partners) {
+        for (observation, partner) in (first..).zip(&best.partners) {
             let Some(landmark) = *partner else { continue };
-            if self.candidates.fits[sighting].len() < 2 {
+            if self.candidates.fits[observation].len() < 2 {
                 continue;
             }
-            self.rivals_of = Some(Rivals { first, sighting, landmark, best: best.clone() });
+            self.rivals_of = Some(Rivals { first, observation, landmark, best: best.clone() });
             // Beyond this an alternative is no rival, unless its covariance is far smaller.
             self.best.nis = best.nis + 2.0 * lead + SLACK;
             self.best.partners.clear();
             self.extend(first);
             let found = !self.best.partners.is_empty();
             if found && self.best.likelihood() + 2.0 * lead > best.likelihood() {
-                doubtful.push(sighting);
+                doubtful.push(observation);
             }
         }
         (self.best, self.rivals_of) = (best, None);
@@ -144,31 +146,31 @@ impl<'a, const M: usize, P: Pairing<M>> Search<'a, M, P> {
     }
 
     /// Whether a pair may be made: in search of the best set one that passes the gate, in search
-    /// of rivals another one for a sighting that has a partner in the best.
-    fn allows(&self, sighting: usize, fit: &Fit) -> bool {
+    /// of rivals another one for an observation that has a partner in the best.
+    fn allows(&self, observation: usize, fit: &Fit) -> bool {
         match &self.rivals_of {
             None => fit.compatible,
             Some(rivals) => {
-                let known = rivals.best.partners[sighting - rivals.first].is_some();
-                known && (sighting, fit.landmark) != (rivals.sighting, rivals.landmark)
+                let known = rivals.best.partners[observation - rivals.first].is_some();
+                known && (observation, fit.landmark) != (rivals.observation, rivals.landmark)
             }
         }
     }
 
-    /// Decides on the sightings from `sighting` on, in all ways that may be better than the best.
-    fn extend(&mut self, sighting: usize) {
+    /// Decides on the observations from `observation` on, in all ways that may be better than the best.
+    fn extend(&mut self, observation: usize) {
         if self.budget == 0 {
             return;
         }
         self.budget -= 1;
         let nis = self.joint.nis();
         let hope = |s: &usize| self.candidates.fits[*s].iter().any(|fit| self.allows(*s, fit));
-        let most = self.joint.pairs.len() + (sighting..self.last).filter(hope).count();
+        let most = self.joint.pairs.len() + (observation..self.last).filter(hope).count();
         // More pairs never make the joint NIS smaller.
         if most < self.best.pairs || (most == self.best.pairs && nis >= self.best.nis) {
             return;
         }
-        if sighting == self.last {
+        if observation == self.last {
             self.best = Hypothesis {
                 partners: self.partners.clone(),
                 pairs: self.joint.pairs.len(),
@@ -178,19 +180,19 @@ impl<'a, const M: usize, P: Pairing<M>> Search<'a, M, P> {
             return;
         }
         let candidates = self.candidates;
-        for fit in &candidates.fits[sighting] {
-            let pair = (sighting, fit.landmark);
-            if self.allows(sighting, fit) && !self.taken[fit.landmark] && self.push(pair) {
+        for fit in &candidates.fits[observation] {
+            let pair = (observation, fit.landmark);
+            if self.allows(observation, fit) && !self.taken[fit.landmark] && self.push(pair) {
                 self.taken[fit.landmark] = true;
                 self.partners.push(Some(fit.landmark));
-                self.extend(sighting + 1);
+                self.extend(observation + 1);
                 self.partners.pop();
                 self.taken[fit.landmark] = false;
                 self.joint.pop();
             }
         }
         self.partners.push(None);
-        self.extend(sighting + 1);
+        self.extend(observation + 1);
         self.partners.pop();
     }
 

@@ -34,7 +34,7 @@ pub(super) struct Lattice {
 impl Step {
     /// The step as odometry usually reports it.
     pub(super) fn usual(path: &DrivenPath, noise: &PathNoise) -> Self {
-        let least = [noise.least_position, noise.least_position, noise.least_heading];
+        let least = [noise.min_position, noise.min_position, noise.min_heading];
         let variances = noise.variances(path) + Vector3::from(least.map(|sigma| sigma * sigma));
         Step { by: path.step(), variances, tail: USUAL_TAIL }
     }

@@ -8,7 +8,7 @@ use loc_maps::likelihood_field::Endpoints;
 use loc_sensors::laser::LaserScan;
 
 /// The most headings of a sector that are looked at.
-const MOST_TURNS: f64 = 64.0;
+const MAX_TURNS: f64 = 64.0;
 
 /// Where the beams of a scan end, and what the codes there mean.
 #[derive(Debug, Clone)]
@@ -54,7 +54,7 @@ impl Scan {
         let exponent = (settings.independent_beams / endpoints.len() as f64).min(1.0);
         let step = space.heading_step();
         let sharpness = 2.0 * settings.field.sigma_hit.max(resolution) / rms_range(&endpoints);
-        let count = (step / sharpness - 1e-6).ceil().clamp(1.0, MOST_TURNS) as usize;
+        let count = (step / sharpness - 1e-6).ceil().clamp(1.0, MAX_TURNS) as usize;
         let turn = |k: usize| ((k as f64 + 0.5) / count as f64 - 0.5) * step;
         Some(Scan {
             lowest: exponent * field.log_likelihood_of(0, endpoints.len()),

@@ -10,7 +10,7 @@ use nalgebra::Point2;
 use std::f64::consts::TAU;
 
 /// The most poses that a grid tells apart; a belief takes 16 bytes for each.
-pub(super) const MOST_POSES: usize = 1 << 26;
+pub(super) const MAX_POSES: usize = 1 << 26;
 
 /// Squares of whole map cells over the free part of a map, and evenly spaced headings.
 ///
@@ -155,7 +155,7 @@ fn bounds(frame: &GridFrame, is_free: &[bool]) -> Option<[[usize; 2]; 2]> {
 /// Refuses grids that do not fit into memory.
 pub(super) fn check_count(size: &Size) -> Result<()> {
     let count = size.headings.saturating_mul(size.rows).saturating_mul(size.columns);
-    if count > MOST_POSES {
+    if count > MAX_POSES {
         let expected = "at most 2^26 poses (squares x headings): larger cells, or fewer headings";
         let (what, found) = ("grid of poses", count);
         return Err(loc_core::Error::Length { what, expected, found }.into());

@@ -50,7 +50,7 @@ const NEAREST: f64 = 0.2;
 const TAIL: f64 = 1e-12;
 
 /// Expected jumps after which the chain has long come to rest.
-const MOST_JUMPS: f64 = 1e4;
+const MAX_JUMPS: f64 = 1e4;
 
 /// The probability of each place of a map.
 #[derive(Debug, Clone)]
@@ -120,7 +120,7 @@ impl TopologicalFilter {
         non_negative("way [m]", way)?;
         let leaving = |rates: &Vec<(usize, f64)>| rates.iter().map(|(_, rate)| rate).sum();
         let fastest = self.rates.iter().map(leaving).fold(0.0, f64::max);
-        let jumps = (fastest * way).min(MOST_JUMPS);
+        let jumps = (fastest * way).min(MAX_JUMPS);
         if jumps <= 0.0 {
             return Ok(());
         }

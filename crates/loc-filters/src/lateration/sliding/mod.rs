@@ -12,7 +12,7 @@ use crate::{Error, Result};
 use loc_core::gaussian::cholesky;
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
@@ -42,7 +42,7 @@ const FITS: f64 = 3.0;
 /// use loc_core::Twist2;
 /// use loc_filters::lateration::{SlidingLateration, SlidingSettings};
 /// use loc_maps::{Landmark, LandmarkMap};
-/// use loc_sensors::landmark_camera::{Sight, Sighting};
+/// use loc_sensors::landmark_camera::{Observed, LandmarkObservation};
 /// let map = LandmarkMap::new([
 ///     Landmark::planar(1, 0.0, 0.0), Landmark::planar(2, 4.0, 0.0), Landmark::planar(3, 0.0, 4.0),
 /// ])?;
@@ -52,7 +52,7 @@ const FITS: f64 = 3.0;
 ///     let (stamp, landmark) = (0.1 * f64::from(k), 1 + k as u32 % 3);
 ///     let at = nalgebra::Point3::new(2.0, 1.0 + 0.5 * stamp, 0.0);
 ///     let range = nalgebra::distance(&at, &map.get(landmark).unwrap().position);
-///     robot.ranges(stamp, &[Sighting { landmark, sight: Sight::Range { range } }])?;
+///     robot.ranges(stamp, &[LandmarkObservation { landmark, sight: Observed::Range { range } }])?;
 /// }
 /// let pose = robot.estimate(4.0)?.expect("found").pose();
 /// assert!((pose.x - 2.0).abs() < 0.02 && (pose.y - 3.0).abs() < 0.02);
@@ -91,7 +91,7 @@ struct Placed {
 pub enum RangeOutcome {
     /// The map has no landmark of this number.
     UnknownLandmark,
-    /// The sighting has no distance.
+    /// The observation has no distance.
     NoRange,
     /// There are not enough distances yet to say where the robot is.
     Waiting,
@@ -152,16 +152,20 @@ impl SlidingLateration {
     /// Any number of distances measured at `stamp` \[s\]; the answer has an outcome for each.
     ///
     /// # Errors
-    /// [`Error::TooLate`], and [`loc_core::Error::OutOfRange`] for sightings that are not valid,
+    /// [`Error::TooLate`], and [`loc_core::Error::OutOfRange`] for observations that are not valid,
     /// none of which is then used.
-    pub fn ranges(&mut self, stamp: f64, sightings: &[Sighting]) -> Result<Vec<RangeOutcome>> {
+    pub fn ranges(
+        &mut self,
+        stamp: f64,
+        observations: &[LandmarkObservation],
+    ) -> Result<Vec<RangeOutcome>> {
         self.check_stamp("distances", stamp)?;
-        for sighting in sightings {
-            sighting.sight.check()?;
+        for observation in observations {
+            observation.sight.check()?;
         }
-        let mut heard = Vec::with_capacity(sightings.len());
-        for sighting in sightings {
-            heard.push(match (self.map.get(sighting.landmark), sighting.sight.range()) {
+        let mut heard = Vec::with_capacity(observations.len());
+        for observation in observations {
+            heard.push(match (self.map.get(observation.landmark), observation.sight.range()) {
                 (None, _) => Err(RangeOutcome::UnknownLandmark),
                 (_, None) => Err(RangeOutcome::NoRange),
                 (Some(landmark), Some(distance)) => {

@@ -1,10 +1,10 @@
-//! Errors that sightings of one moment have in common.
+//! Errors that observations of one moment have in common.
 //!
 //! A camera whose scale is off sees everything too far away, and one whose images come late sees
-//! everything to the same side in a turn. Such errors last; a filter that takes each sighting for
+//! everything to the same side in a turn. Such errors last; a filter that takes each observation for
 //! a new witness believes them after a while, and one that is told of wide noise instead cannot tell
 //! two landmarks apart that stand side by side. So the filter keeps the two common errors, of
-//! distance and of direction, beside the pose, counted in standard deviations of a sighting. They
+//! distance and of direction, beside the pose, counted in standard deviations of an observation. They
 //! fade with a time constant `tau` while new ones come (a Gauss-Markov process):
 //! `s' = e^(-dt/tau) s`, `var' = e^(-2 dt/tau) var + (1 - e^(-2 dt/tau)) share`.
 
@@ -61,7 +61,7 @@ impl EkfSlam {
 
     /// A distance and a direction without the common errors, as far as these are known.
     pub(super) fn without_common_errors(&self, range: f64, bearing: f64) -> (f64, f64) {
-        let (robot, noise) = (self.state.robot(), self.settings.sight_noise);
+        let (robot, noise) = (self.state.robot(), self.settings.observation_noise);
         let range = (range - robot[3] * noise.range_sigma_at(range)).max(0.0);
         (range, bearing - robot[4] * noise.bearing_sigma)
     }

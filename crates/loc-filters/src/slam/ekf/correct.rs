@@ -1,4 +1,4 @@
-//! The correction: sightings find their landmarks, and all of them correct the state together.
+//! The correction: observations find their landmarks, and all of them correct the state together.
 
 use super::common::{HEADING, NUMBERS};
 use super::look::Place;
@@ -8,29 +8,29 @@ use crate::Result;
 use crate::association::AssociationSettings;
 use crate::slam::state::Row;
 use loc_core::angle;
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 
-/// What a sighting is until something better is known of it.
+/// What an observation is until something better is known of it.
 const UNPLACEABLE: SlamOutcome = SlamOutcome { landmark: None, verdict: SlamVerdict::Unplaceable };
 
 impl EkfSlam {
-    /// Corrects with all sightings of one moment, any number of them, and says what became of each.
+    /// Corrects with all observations of one moment, any number of them, and says what became of each.
     ///
-    /// Sightings are taken in groups of [`AssociationSettings::GROUP`]. Those of one group are
+    /// LandmarkObservations are taken in groups of [`AssociationSettings::GROUP`]. Those of one group are
     /// linearised at the same state, gated one by one, and those believed correct the state in one
-    /// pass over the covariance. Numbered sightings of landmarks that are not in the state yet,
+    /// pass over the covariance. Numbered observations of landmarks that are not in the state yet,
     /// and others that fit none, put new ones into it after that.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for a sighting that is not finite or has a negative range:
+    /// [`loc_core::Error::OutOfRange`] for an observation that is not finite or has a negative range:
     /// none is then used. [`crate::Error::LostPositivity`], with the step: the filter cannot go on.
-    pub fn correct(&mut self, sightings: &[Sighting]) -> Result<Vec<SlamOutcome>> {
-        for sighting in sightings {
-            sighting.sight.check()?;
+    pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<SlamOutcome>> {
+        for observation in observations {
+            observation.sight.check()?;
         }
-        let mut outcomes = Vec::with_capacity(sightings.len());
+        let mut outcomes = Vec::with_capacity(observations.len());
         let mut budget = self.settings.association.search_limit;
-        for group in sightings.chunks(AssociationSettings::GROUP) {
+        for group in observations.chunks(AssociationSettings::GROUP) {
             self.refocus(group)?;
             match self.settings.identities {
                 Identities::Known => self.correct_numbered(group, &mut outcomes)?,
@@ -39,7 +39,7 @@ impl EkfSlam {
                 }
             }
         }
-        if self.settings.identities == Identities::Unknown && !sightings.is_empty() {
+        if self.settings.identities == Identities::Unknown && !observations.is_empty() {
             let mut seen = vec![false; self.entries.len()];
             for id in outcomes.iter().filter_map(|outcome| outcome.landmark) {
                 self.numbers.get(&id).into_iter().for_each(|&landmark| seen[landmark] = true);
@@ -52,15 +52,17 @@ impl EkfSlam {
 
     fn correct_numbered(
         &mut self,
-        group: &[Sighting],
+        group: &[LandmarkObservation],
         outcomes: &mut Vec<SlamOutcome>,
     ) -> Result<()> {
         let first = outcomes.len();
         let mut rows = Vec::with_capacity(2 * group.len());
         let mut new = Vec::new();
-        for (k, sighting) in group.iter().enumerate() {
-            outcomes.push(match self.numbers.get(&sighting.landmark) {
-                Some(&landmark) => self.judge(landmark, sighting.sight, &self.gate, &mut rows)?,
+        for (k, observation) in group.iter().enumerate() {
+            outcomes.push(match self.numbers.get(&observation.landmark) {
+                Some(&landmark) => {
+                    self.judge(landmark, observation.sight, &self.gate, &mut rows)?
+                }
                 None => {
                     new.push(k);
                     UNPLACEABLE
@@ -79,18 +81,18 @@ impl EkfSlam {
         self.remove_false()
     }
 
-    /// A sighting of a number that the state did not have when its group began.
-    fn welcome(&mut self, sighting: &Sighting) -> Result<SlamOutcome> {
-        let id = sighting.landmark;
+    /// An observation of a number that the state did not have when its group began.
+    fn welcome(&mut self, observation: &LandmarkObservation) -> Result<SlamOutcome> {
+        let id = observation.landmark;
         let Some(&landmark) = self.numbers.get(&id) else {
-            return match self.place(sighting) {
+            return match self.place(observation) {
                 Some(place) => self.enter(id, &place),
                 None => Ok(UNPLACEABLE),
             };
         };
-        // It was born a moment ago, by another sighting of the same group.
+        // It was born a moment ago, by another observation of the same group.
         let mut rows = Vec::with_capacity(2);
-        let outcome = self.judge(landmark, sighting.sight, &self.gate, &mut rows)?;
+        let outcome = self.judge(landmark, observation.sight, &self.gate, &mut rows)?;
         self.apply(&rows)?;
         self.credit(id, outcome.accepted());
         Ok(outcome)
@@ -98,7 +100,7 @@ impl EkfSlam {
 
     fn correct_unnumbered(
         &mut self,
-        group: &[Sighting],
+        group: &[LandmarkObservation],
         budget: &mut usize,
         outcomes: &mut Vec<SlamOutcome>,
     ) -> Result<()> {
@@ -115,14 +117,14 @@ impl EkfSlam {
         let mut taken: Vec<usize> = association.partners.iter().flatten().copied().collect();
         taken.sort_unstable();
         let placed = (0..group.len()).filter(|&k| places[k].is_some());
-        for (sighting, k) in placed.enumerate() {
-            // Of one moment a landmark has one sighting: what stands beside one that was seen is new.
-            let nis = pairs.nearest_free(sighting, &taken);
-            match association.partners[sighting] {
+        for (observation, k) in placed.enumerate() {
+            // Of one moment a landmark has one observation: what stands beside one that was seen is new.
+            let nis = pairs.nearest_free(observation, &taken);
+            match association.partners[observation] {
                 Some(landmark) => {
                     found[k] = self.judge(landmark, group[k].sight, &self.gate, &mut rows)?;
                 }
-                None if nis > self.new_landmark_gate || !telling[sighting] => new.push(k),
+                None if nis > self.new_landmark_gate || !telling[observation] => new.push(k),
                 None => found[k].verdict = SlamVerdict::Ambiguous(nis),
             }
         }
@@ -143,18 +145,18 @@ impl EkfSlam {
         Ok(())
     }
 
-    /// A sighting that fits none of the landmarks but, perhaps, those that others of its group were
+    /// An observation that fits none of the landmarks but, perhaps, those that others of its group were
     /// of or gave birth to: something new stands apart from these too.
     fn welcome_unnumbered(
         &mut self,
-        sighting: &Sighting,
+        observation: &LandmarkObservation,
         beside: impl Iterator<Item = usize>,
     ) -> Result<SlamOutcome> {
         // From the corrected pose.
-        let Some(place) = self.place(sighting) else { return Ok(UNPLACEABLE) };
+        let Some(place) = self.place(observation) else { return Ok(UNPLACEABLE) };
         let mut nearest = f64::INFINITY;
         for landmark in beside {
-            let outcome = self.judge(landmark, sighting.sight, &self.gate, &mut Vec::new())?;
+            let outcome = self.judge(landmark, observation.sight, &self.gate, &mut Vec::new())?;
             nearest = nearest.min(outcome.nis().unwrap_or(f64::INFINITY));
         }
         if nearest <= self.distinct_gate {
@@ -165,7 +167,7 @@ impl EkfSlam {
 
     /// Puts a new landmark into the state, if there is room.
     fn enter(&mut self, id: u32, place: &Place) -> Result<SlamOutcome> {
-        if self.entries.len() >= self.settings.map.most_landmarks {
+        if self.entries.len() >= self.settings.map.max_landmarks {
             return Ok(SlamOutcome { landmark: None, verdict: SlamVerdict::MapFull });
         }
         self.give_birth(id, place)?;

@@ -13,11 +13,11 @@ pub(super) struct Entry {
     pub(super) id: u32,
     /// Its first estimate \[m\].
     pub(super) first: Point2<f64>,
-    pub(super) sightings: u32,
+    pub(super) observations: u32,
     /// How much speaks for it, see [`super::MapSettings`].
     pub(super) score: f64,
     pub(super) confirmed: bool,
-    /// Step of the filter at its last sighting.
+    /// Step of the filter at its last observation.
     pub(super) seen_at: u64,
 }
 
@@ -35,8 +35,8 @@ impl Reach {
     /// The part of the view in which a landmark should be seen.
     const MIDDLE: f64 = 0.7;
     /// The least that a camera is taken to see \[m, rad\].
-    const LEAST_RANGE: f64 = 1.0;
-    const LEAST_BEARING: f64 = 0.25;
+    const MIN_RANGE: f64 = 1.0;
+    const MIN_BEARING: f64 = 0.25;
     /// A provisional landmark that is farther away than this, in ranges, has had its chance.
     const GONE: f64 = 1.5;
 
@@ -47,7 +47,7 @@ impl Reach {
 
     /// Area of what the camera has been seen to see \[m^2\]: where something new may be.
     pub(super) fn area(&self) -> f64 {
-        self.range.max(Self::LEAST_RANGE).powi(2) * self.bearing.max(Self::LEAST_BEARING)
+        self.range.max(Self::MIN_RANGE).powi(2) * self.bearing.max(Self::MIN_BEARING)
     }
 
     fn should_see(&self, from_camera: &Point2<f64>) -> bool {
@@ -70,7 +70,7 @@ impl EkfSlam {
             Jacobians::First => self.anchor,
         };
         let (dx, dy) = (position.x - from.x, position.y - from.y);
-        // The common errors of the sightings are taken off the place.
+        // The common errors of the observations are taken off the place.
         let axes = -place.axes(self);
         let by_robot =
             Matrix2x5::new(1.0, 0.0, -dy, axes.m11, axes.m12, 0.0, 1.0, dx, axes.m21, axes.m22);
@@ -80,21 +80,21 @@ impl EkfSlam {
         let confirmed = self.settings.map.confirm_score <= 1.0;
         let seen_at = self.step();
         let first = position;
-        self.entries.push(Entry { id, first, sightings: 1, score: 1.0, confirmed, seen_at });
+        self.entries.push(Entry { id, first, observations: 1, score: 1.0, confirmed, seen_at });
         Ok(())
     }
 
-    /// A sighting has spoken for a landmark.
+    /// An observation has spoken for a landmark.
     pub(super) fn praise(&mut self, landmark: usize) {
         let seen_at = self.step();
         let (map, entry) = (&self.settings.map, &mut self.entries[landmark]);
         entry.seen_at = seen_at;
-        entry.sightings = entry.sightings.saturating_add(1);
-        entry.score = (entry.score + 1.0).min(map.most_score);
+        entry.observations = entry.observations.saturating_add(1);
+        entry.score = (entry.score + 1.0).min(map.max_score);
         entry.confirmed |= entry.score >= map.confirm_score;
     }
 
-    /// A sighting has spoken against it.
+    /// An observation has spoken against it.
     pub(super) fn blame(&mut self, landmark: usize, cost: f64) {
         self.entries[landmark].score -= cost;
         self.doubted = true;

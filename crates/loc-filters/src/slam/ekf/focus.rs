@@ -4,7 +4,7 @@ use super::look::Place;
 use super::pairs::Bound;
 use super::{EkfSlam, Identities};
 use crate::Result;
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::landmark_camera::LandmarkObservation;
 use nalgebra::Point2;
 
 /// The landmarks in hand: those around the place where they were taken.
@@ -17,14 +17,14 @@ pub(super) struct Focus {
 }
 
 impl EkfSlam {
-    /// Makes sure that the sightings can only be of landmarks in hand.
-    pub(super) fn refocus(&mut self, sightings: &[Sighting]) -> Result<()> {
+    /// Makes sure that the observations can only be of landmarks in hand.
+    pub(super) fn refocus(&mut self, observations: &[LandmarkObservation]) -> Result<()> {
         let Some(radius) = self.settings.submap_radius else { return Ok(()) };
         let numbered = self.settings.identities == Identities::Known;
-        let known = |seen: &Sighting| self.numbers.get(&seen.landmark).copied();
+        let known = |seen: &LandmarkObservation| self.numbers.get(&seen.landmark).copied();
         let named: Vec<usize> =
-            if numbered { sightings.iter().filter_map(known).collect() } else { Vec::new() };
-        let places = if numbered { &[] } else { sightings };
+            if numbered { observations.iter().filter_map(known).collect() } else { Vec::new() };
+        let places = if numbered { &[] } else { observations };
         let places: Vec<Place> = places.iter().filter_map(|seen| self.place(seen)).collect();
         let center = Point2::from(self.state.robot().xy());
         if let Some(focus) = &self.focus {
@@ -68,9 +68,9 @@ impl EkfSlam {
             let bound = Bound::new(self, place).distance(focus.outside_variance);
             nalgebra::distance(center, &place.position) + bound
         };
-        let of_sightings = places.iter().map(farthest).fold(0.0, f64::max);
+        let of_observations = places.iter().map(farthest).fold(0.0, f64::max);
         if self.settings.identities == Identities::Known {
-            return of_sightings;
+            return of_observations;
         }
         let farthest = |recent: usize| {
             let position = self.state.position(recent);
@@ -78,6 +78,6 @@ impl EkfSlam {
             let bound = self.twin_distance(variance + focus.outside_variance);
             nalgebra::distance(center, &position) + bound
         };
-        self.recent().into_iter().map(farthest).fold(of_sightings, f64::max)
+        self.recent().into_iter().map(farthest).fold(of_observations, f64::max)
     }
 }

@@ -1,4 +1,4 @@
-//! One sighting held against one landmark of the state.
+//! One observation held against one landmark of the state.
 
 use super::common::{Matrix2x5, NUMBERS};
 use super::{EkfSlam, Jacobians};
@@ -6,7 +6,7 @@ use crate::landmark::RangeBearingModel;
 use crate::slam::state::Row;
 use crate::{Gate, MeasurementModel, Result};
 use loc_core::angle;
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Matrix1, Matrix2, Matrix2x3, Point2, RowVector2, SVector, Vector1, Vector2};
 
 use super::{SlamOutcome, SlamVerdict};
@@ -23,7 +23,7 @@ pub(super) struct Look {
 
 impl EkfSlam {
     fn model(&self, landmark: Point2<f64>) -> RangeBearingModel {
-        let (mounting, noise) = (self.settings.mounting, self.settings.sight_noise);
+        let (mounting, noise) = (self.settings.mounting, self.settings.observation_noise);
         RangeBearingModel { landmark, mounting, noise }
     }
 
@@ -63,12 +63,12 @@ impl EkfSlam {
         self.covariance_between(look, look) + look.noise
     }
 
-    /// Judges a sighting of a landmark; the rows of the correction are appended to `rows` where it
+    /// Judges an observation of a landmark; the rows of the correction are appended to `rows` where it
     /// is believed.
     pub(super) fn judge(
         &self,
         landmark: usize,
-        sight: Sight,
+        sight: Observed,
         gate: &Gate,
         rows: &mut Vec<Row<NUMBERS>>,
     ) -> Result<SlamOutcome> {
@@ -80,11 +80,11 @@ impl EkfSlam {
             self.state.robot_state().innovation(residual, Matrix1::new(covariance[(k, k)]), gate)
         };
         let verdict = match sight {
-            Sight::RangeBearing { .. } => SlamVerdict::RangeBearing(
+            Observed::RangeBearing { .. } => SlamVerdict::RangeBearing(
                 self.state.robot_state().innovation(look.residual, covariance, gate)?,
             ),
-            Sight::Range { .. } => SlamVerdict::Range(one(0)?),
-            Sight::Bearing { .. } => SlamVerdict::Bearing(one(1)?),
+            Observed::Range { .. } => SlamVerdict::Range(one(0)?),
+            Observed::Bearing { .. } => SlamVerdict::Bearing(one(1)?),
         };
         let outcome = SlamOutcome { landmark: Some(self.entries[landmark].id), verdict };
         if outcome.accepted() {
@@ -94,10 +94,10 @@ impl EkfSlam {
         Ok(outcome)
     }
 
-    /// Where a sighting puts its landmark, from a robot that is right about itself \[m\]; `None`
+    /// Where an observation puts its landmark, from a robot that is right about itself \[m\]; `None`
     /// where it has no place.
-    pub(super) fn place(&self, sighting: &Sighting) -> Option<Place> {
-        let Sight::RangeBearing { range, bearing } = sighting.sight else { return None };
+    pub(super) fn place(&self, observation: &LandmarkObservation) -> Option<Place> {
+        let Observed::RangeBearing { range, bearing } = observation.sight else { return None };
         if range < Place::NEAREST {
             return None;
         }
@@ -109,7 +109,7 @@ impl EkfSlam {
     }
 }
 
-/// A sighting with distance and direction, and where it puts its landmark.
+/// An observation with distance and direction, and where it puts its landmark.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub(super) range: f64,
@@ -131,7 +131,7 @@ impl Place {
 
     /// How far one standard deviation of the distance, and one of the direction, carry it \[m\].
     pub(super) fn axes(&self, slam: &EkfSlam) -> Matrix2<f64> {
-        let noise = slam.settings.sight_noise;
+        let noise = slam.settings.observation_noise;
         let (along, across) = (noise.range_sigma_at(self.range), noise.bearing_sigma * self.range);
         let (sin, cos) = self.direction.sin_cos();
         Matrix2::new(along * cos, -across * sin, along * sin, across * cos)

@@ -38,7 +38,7 @@ impl Twins<'_> {
 }
 
 impl Pairing<2> for Twins<'_> {
-    fn sightings(&self) -> usize {
+    fn observations(&self) -> usize {
         self.recent.len()
     }
 
@@ -91,7 +91,7 @@ impl EkfSlam {
         for &(recent, earlier) in &pairs {
             let gone = self.entries[recent];
             self.blame(recent, f64::INFINITY);
-            self.entries[earlier].take_over(&gone, self.settings.map.most_score);
+            self.entries[earlier].take_over(&gone, self.settings.map.max_score);
             let kept = self.entries[earlier].id;
             let changed = outcomes.iter_mut().filter(|outcome| outcome.landmark == Some(gone.id));
             changed.for_each(|outcome| outcome.landmark = Some(kept));
@@ -128,9 +128,9 @@ impl EkfSlam {
 }
 
 impl Entry {
-    fn take_over(&mut self, gone: &Entry, most_score: f64) {
-        self.sightings = self.sightings.saturating_add(gone.sightings);
-        self.score = (self.score + gone.score).min(most_score);
+    fn take_over(&mut self, gone: &Entry, max_score: f64) {
+        self.observations = self.observations.saturating_add(gone.observations);
+        self.score = (self.score + gone.score).min(max_score);
         self.confirmed |= gone.confirmed;
         self.seen_at = self.seen_at.max(gone.seen_at);
     }

@@ -27,7 +27,7 @@ use std::collections::BTreeMap;
 /// Extended Kalman filter over the robot's pose (x, y, theta) \[m, m, rad\] and the positions of
 /// all landmarks seen so far \[m\], in the frame of the start.
 ///
-/// A landmark enters the state at its first sighting, from the pose of that moment. All sightings
+/// A landmark enters the state at its first observation, from the pose of that moment. All observations
 /// of one moment correct the state together, so that the covariance is read and written once.
 #[derive(Debug, Clone)]
 pub struct EkfSlam {
@@ -154,12 +154,12 @@ impl EkfSlam {
     }
 
     fn describe(&self, index: usize) -> Result<MapLandmark> {
-        let Entry { id, sightings, confirmed, .. } = self.entries[index];
+        let Entry { id, observations, confirmed, .. } = self.entries[index];
         let (position, covariance) = self.state.landmark(index);
         check_covariance("covariance of a landmark", &covariance)
             .map_err(|error| self.state.robot_state().blamed(error))?;
         let position = Gaussian { mean: position.coords, covariance };
-        Ok(MapLandmark { id, position, sightings, confirmed })
+        Ok(MapLandmark { id, position, observations, confirmed })
     }
 
     /// The whole covariance, (3 + 2 n) x (3 + 2 n): x, y, theta of the robot, then x, y of one

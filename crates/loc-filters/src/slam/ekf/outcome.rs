@@ -1,19 +1,19 @@
-//! What became of a sighting, and what the map holds.
+//! What became of an observation, and what the map holds.
 
 use crate::Innovation;
 use loc_core::Gaussian;
 
-/// A sighting's landmark and what the filter made of it.
+/// An observation's landmark and what the filter made of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlamOutcome {
     /// Number of the landmark in the map: as it was read, or as the filter gave it. `None` for a
-    /// sighting that it found no landmark for.
+    /// observation that it found no landmark for.
     pub landmark: Option<u32>,
     /// Whether and why it was believed.
     pub verdict: SlamVerdict,
 }
 
-/// What the filter made of a sighting.
+/// What the filter made of an observation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SlamVerdict {
     /// Distance and direction were held against the expectation.
@@ -35,7 +35,7 @@ pub enum SlamVerdict {
 }
 
 impl SlamOutcome {
-    /// Whether the sighting changed the belief.
+    /// Whether the observation changed the belief.
     pub fn accepted(&self) -> bool {
         match &self.verdict {
             SlamVerdict::RangeBearing(innovation) => innovation.accepted,
@@ -47,7 +47,7 @@ impl SlamOutcome {
         }
     }
 
-    /// The normalised innovation squared, of a sighting that was held against a landmark.
+    /// The normalised innovation squared, of an observation that was held against a landmark.
     pub fn nis(&self) -> Option<f64> {
         match &self.verdict {
             SlamVerdict::RangeBearing(innovation) => Some(innovation.nis),
@@ -75,8 +75,8 @@ pub struct MapLandmark {
     pub id: u32,
     /// Where it is believed to be \[m\].
     pub position: Gaussian<2>,
-    /// How many sightings it was corrected with, the first one included.
-    pub sightings: u32,
+    /// How many observations it was corrected with, the first one included.
+    pub observations: u32,
     /// Whether it was seen often enough to be believed in; a landmark that is not may be removed
     /// again.
     pub confirmed: bool,

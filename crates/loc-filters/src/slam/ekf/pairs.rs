@@ -1,4 +1,4 @@
-//! Sightings without numbers, held against the landmarks of the state.
+//! LandmarkObservations without numbers, held against the landmarks of the state.
 
 use super::EkfSlam;
 use super::look::{Look, Place};
@@ -9,9 +9,9 @@ use std::f64::consts::TAU;
 /// The looks of all pairs that are not out of the question.
 pub(super) struct Pairs<'a> {
     slam: &'a EkfSlam,
-    /// Density of new landmarks in distance and direction, where each sighting was.
+    /// Density of new landmarks in distance and direction, where each observation was.
     elsewhere: Vec<f64>,
-    /// For each sighting its looks, in order of their landmarks.
+    /// For each observation its looks, in order of their landmarks.
     looks: Vec<Vec<Look>>,
 }
 
@@ -32,24 +32,24 @@ impl<'a> Pairs<'a> {
         }
     }
 
-    /// Whether the sighting is near a landmark that it would be recognised by, were it of that.
-    /// Where the robot is far off, a sighting can be near many, and tell nothing of any.
-    pub(super) fn is_telling(&self, sighting: usize) -> bool {
-        let lead = self.slam.settings.association.least_ratio.ln();
-        self.looks[sighting].iter().any(|look| {
+    /// Whether the observation is near a landmark that it would be recognised by, were it of that.
+    /// Where the robot is far off, an observation can be near many, and tell nothing of any.
+    pub(super) fn is_telling(&self, observation: usize) -> bool {
+        let lead = self.slam.settings.association.min_ratio.ln();
+        self.looks[observation].iter().any(|look| {
             let s = self.slam.innovation_covariance(look);
             let Some(inverse) = s.try_inverse() else { return false };
             let nis = look.residual.dot(&(inverse * look.residual));
-            // A right sighting has an NIS of 2.
+            // A right observation has an NIS of 2.
             let usual = -1.0 - 0.5 * s.determinant().ln() - TAU.ln();
-            nis <= self.slam.new_landmark_gate && usual - self.elsewhere[sighting].ln() >= lead
+            nis <= self.slam.new_landmark_gate && usual - self.elsewhere[observation].ln() >= lead
         })
     }
 
-    /// NIS of a sighting with the nearest landmark that is not among those `taken` by others, in
+    /// NIS of an observation with the nearest landmark that is not among those `taken` by others, in
     /// ascending order.
-    pub(super) fn nearest_free(&self, sighting: usize, taken: &[usize]) -> f64 {
-        let looks = self.looks[sighting].iter();
+    pub(super) fn nearest_free(&self, observation: usize, taken: &[usize]) -> f64 {
+        let looks = self.looks[observation].iter();
         let free = looks.filter(|look| taken.binary_search(&look.landmark).is_err());
         let nis = |look: &Look| {
             let s = self.slam.innovation_covariance(look);
@@ -58,15 +58,15 @@ impl<'a> Pairs<'a> {
         free.map(nis).fold(f64::INFINITY, f64::min)
     }
 
-    fn look(&self, (sighting, landmark): (usize, usize)) -> Option<&Look> {
-        let looks = &self.looks[sighting];
+    fn look(&self, (observation, landmark): (usize, usize)) -> Option<&Look> {
+        let looks = &self.looks[observation];
         let index = looks.binary_search_by_key(&landmark, |look| look.landmark).ok()?;
         looks.get(index)
     }
 }
 
 impl Pairing<2> for Pairs<'_> {
-    fn sightings(&self) -> usize {
+    fn observations(&self) -> usize {
         self.looks.len()
     }
 
@@ -74,14 +74,14 @@ impl Pairing<2> for Pairs<'_> {
         self.slam.entries.len()
     }
 
-    fn innovation(&self, sighting: usize, landmark: usize) -> Option<PairInnovation<2>> {
-        let look = self.look((sighting, landmark))?;
+    fn innovation(&self, observation: usize, landmark: usize) -> Option<PairInnovation<2>> {
+        let look = self.look((observation, landmark))?;
         let covariance = self.slam.innovation_covariance(look);
         Some(PairInnovation { residual: look.residual, covariance })
     }
 
-    fn elsewhere(&self, sighting: usize) -> f64 {
-        self.elsewhere[sighting]
+    fn elsewhere(&self, observation: usize) -> f64 {
+        self.elsewhere[observation]
     }
 
     fn cross_covariance(&self, a: (usize, usize), b: (usize, usize)) -> Matrix2<f64> {

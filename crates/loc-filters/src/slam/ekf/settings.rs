@@ -44,27 +44,27 @@ pub enum Jacobians {
 pub struct MapSettings {
     /// The map takes no more landmarks than this; its covariance has twice the square of it in
     /// numbers.
-    pub most_landmarks: usize,
-    /// A landmark is provisional until its score has come to this. It begins with 1, a sighting
+    pub max_landmarks: usize,
+    /// A landmark is provisional until its score has come to this. It begins with 1, an observation
     /// adds 1, one that contradicts it takes its cost away; a landmark whose score is no longer above 0
     /// is removed.
     pub confirm_score: f64,
-    /// What is taken from the score by a sighting that contradicts the landmark; 0 where numbers
+    /// What is taken from the score by an observation that contradicts the landmark; 0 where numbers
     /// are never misread, so that no numbered landmark is removed.
     pub contradiction_cost: f64,
     /// The score grows no further than this.
-    pub most_score: f64,
+    pub max_score: f64,
     /// What is taken from the score when a landmark in the middle of the view is not seen. Without
     /// numbers on landmarks only.
     pub miss_cost: f64,
     /// Two landmarks become one where that is so many times likelier than that they are two.
     /// Without numbers on landmarks only.
     pub merge_ratio: f64,
-    /// A sighting that fits no landmark is a new one where right sightings of the known ones lie
+    /// An observation that fits no landmark is a new one where right observations of the known ones lie
     /// that far out with a probability of less than 1 minus this.
     pub new_landmark_probability: f64,
-    /// Of one moment a landmark has one sighting, so that a second one beside it is of something
-    /// new; unless it was seen twice, which is assumed where two sightings of one landmark lie that
+    /// Of one moment a landmark has one observation, so that a second one beside it is of something
+    /// new; unless it was seen twice, which is assumed where two observations of one landmark lie that
     /// far apart with a probability of more than 1 minus this.
     pub distinct_probability: f64,
 }
@@ -72,10 +72,10 @@ pub struct MapSettings {
 impl Default for MapSettings {
     fn default() -> Self {
         MapSettings {
-            most_landmarks: 3000,
+            max_landmarks: 3000,
             confirm_score: 3.0,
             contradiction_cost: 1.0,
-            most_score: 10.0,
+            max_score: 10.0,
             miss_cost: 0.2,
             merge_ratio: 100.0,
             new_landmark_probability: 0.9999,
@@ -93,10 +93,10 @@ pub struct SlamSettings {
     pub integration: Integration,
     /// How far odometry may be off.
     pub motion_noise: VelocityNoise,
-    /// How far sightings may be off.
-    pub sight_noise: LandmarkNoise,
-    /// Share of the variance of sightings that those of one moment have in common, below 1: the
-    /// error of a scale that is off, or of a stamp that is late in a turn. Sightings are then held
+    /// How far observations may be off.
+    pub observation_noise: LandmarkNoise,
+    /// Share of the variance of observations that those of one moment have in common, below 1: the
+    /// error of a scale that is off, or of a stamp that is late in a turn. LandmarkObservations are then held
     /// against each other more sharply than against the robot.
     pub common_share: f64,
     /// How long that error lasts \[s\]: after so much time 1/e of it is left.
@@ -105,7 +105,7 @@ pub struct SlamSettings {
     pub mounting: Pose2,
     /// Whether landmarks can be told apart by their numbers.
     pub identities: Identities,
-    /// Share of right sightings of a landmark that the gate lets pass, 1 for no gate.
+    /// Share of right observations of a landmark that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
     /// How landmarks without numbers are told apart.
     pub association: AssociationSettings,
@@ -124,7 +124,7 @@ impl Default for SlamSettings {
         SlamSettings {
             integration: Integration::ExactArc,
             motion_noise: VelocityNoise::default(),
-            sight_noise: LandmarkNoise::default(),
+            observation_noise: LandmarkNoise::default(),
             common_share: 0.0,
             common_time: 10.0,
             mounting: Pose2::IDENTITY,
@@ -145,9 +145,9 @@ impl SlamSettings {
     /// [`loc_core::Error::OutOfRange`] for noise without a sigma, probabilities outside (0, 1],
     /// and values that are negative or not finite.
     pub fn check(&self) -> Result<()> {
-        self.sight_noise.check()?;
-        positive("sigma of the range [m]", self.sight_noise.range_sigma)?;
-        positive("sigma of the bearing [rad]", self.sight_noise.bearing_sigma)?;
+        self.observation_noise.check()?;
+        positive("sigma of the range [m]", self.observation_noise.range_sigma)?;
+        positive("sigma of the bearing [rad]", self.observation_noise.bearing_sigma)?;
         self.motion_noise.check()?;
         in_range("common share of the variance", "in [0, 1)", self.common_share, |share| {
             (0.0..1.0).contains(&share)
@@ -160,7 +160,7 @@ impl SlamSettings {
         in_range(
             "most score of a landmark",
             "at least the score to confirm",
-            map.most_score,
+            map.max_score,
             |s| s.is_finite() && s >= map.confirm_score,
         )?;
         positive("score that confirms a landmark", map.confirm_score)?;
@@ -181,15 +181,15 @@ impl SlamSettings {
     /// How landmarks are found that are in the map twice.
     pub(super) fn merging(&self) -> AssociationSettings {
         let rule = crate::association::Rule::JointCompatibility;
-        AssociationSettings { rule, least_ratio: self.map.merge_ratio, ..self.association }
+        AssociationSettings { rule, min_ratio: self.map.merge_ratio, ..self.association }
     }
 
-    /// The NIS beyond which a sighting is one of something new.
+    /// The NIS beyond which an observation is one of something new.
     pub(super) fn new_landmark_gate(&self) -> Result<f64> {
         Ok(Gate::probability(self.map.new_landmark_probability)?.threshold(2))
     }
 
-    /// The NIS up to which two sightings of one moment may be of one landmark.
+    /// The NIS up to which two observations of one moment may be of one landmark.
     pub(super) fn distinct_gate(&self) -> Result<f64> {
         Ok(Gate::probability(self.map.distinct_probability)?.threshold(2))
     }

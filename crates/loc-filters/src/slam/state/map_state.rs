@@ -87,7 +87,7 @@ impl<const R: usize> MapState<R> {
         }
     }
 
-    /// Index in the state in hand; that of the robot's own sightings is always there.
+    /// Index in the state in hand; that of the robot's own observations is always there.
     fn index(&self, landmark: usize) -> usize {
         match self.at(landmark) {
             At::InHand(k) | At::Outside(k) => k,

@@ -1,6 +1,6 @@
 //! A part of the map, corrected on behalf of the whole (Guivant and Nebot 2001).
 //!
-//! While a robot works among a few landmarks, its motions and sightings act on those alone. What
+//! While a robot works among a few landmarks, its motions and observations act on those alone. What
 //! they do to the rest of the map is a linear map of what the rest had to do with the part when
 //! the robot came there. So the part has a state of its own, and three small matrices remember
 //! what the rest is owed:

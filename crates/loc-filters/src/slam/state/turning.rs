@@ -3,7 +3,7 @@
 //! Whatever a robot learns about its heading, it learns about the direction of the whole map: the
 //! two are wrong together. So the error of a position `q` is counted from where it goes as the
 //! heading turns, `xi = dq - J q dtheta` with `J` the quarter turn, and in these coordinates no
-//! sighting depends on the heading (Barrau and Bonnabel 2015; Zhang et al. 2017). Sightings can then
+//! observation depends on the heading (Barrau and Bonnabel 2015; Zhang et al. 2017). LandmarkObservations can then
 //! never tell where north is, as is true. The covariance kept here is that of x, y, theta and of
 //! the positions all the same: it is carried from the estimate before a correction to that after
 //! it, `P' = A P A^T` with `A = I + v e_theta^T` and `v = J (q' - q)`. The estimate follows the arc

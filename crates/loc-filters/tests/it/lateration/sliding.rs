@@ -6,7 +6,7 @@ use loc_core::{Pose2, Twist2, angle};
 use loc_filters::Error;
 use loc_filters::lateration::{RangeBias, RangeOutcome, SlidingLateration, SlidingSettings};
 use loc_maps::{Landmark, LandmarkMap};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Point2, Vector2};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
@@ -24,8 +24,8 @@ fn map() -> LandmarkMap {
     .unwrap()
 }
 
-fn heard(landmark: u32, range: f64) -> Sighting {
-    Sighting { landmark, sight: Sight::Range { range } }
+fn heard(landmark: u32, range: f64) -> LandmarkObservation {
+    LandmarkObservation { landmark, sight: Observed::Range { range } }
 }
 
 /// A robot on a figure of eight, heard by one landmark after the other.
@@ -58,7 +58,7 @@ impl Drive {
         Twist2::forward(truth.vx + sigmas.x * self.normal(), truth.omega + sigmas.z * self.normal())
     }
 
-    fn hear(&mut self) -> Sighting {
+    fn hear(&mut self) -> LandmarkObservation {
         let landmark = 1 + self.step % 5;
         let place = map().get(landmark).unwrap().position.xy();
         let distance = nalgebra::distance(&self.pose.transform(&self.antenna), &place);
@@ -80,8 +80,8 @@ fn run(seed: u64, settings: SlidingSettings) -> (f64, f64, Option<RangeBias>) {
     let (mut square, mut nees, mut count) = (0.0, 0.0, 0.0);
     while drive.step < 400 {
         robot.velocity(drive.stamp(), drive.drive()).unwrap();
-        let sighting = drive.hear();
-        robot.ranges(drive.stamp(), &[sighting]).unwrap();
+        let observation = drive.hear();
+        robot.ranges(drive.stamp(), &[observation]).unwrap();
         if drive.step > 100 {
             let found = robot.estimate(drive.stamp()).unwrap().unwrap();
             let error: Vector2<f64> = drive.pose.position() - found.pose().position();
@@ -119,14 +119,14 @@ fn the_heading_outlives_the_window() {
     let mut robot = SlidingLateration::new(map(), SlidingSettings::default(), 0.0).unwrap();
     while drive.step < 200 {
         robot.velocity(drive.stamp(), drive.drive()).unwrap();
-        let sighting = drive.hear();
-        robot.ranges(drive.stamp(), &[sighting]).unwrap();
+        let observation = drive.hear();
+        robot.ranges(drive.stamp(), &[observation]).unwrap();
     }
     robot.velocity(drive.stamp(), Twist2::ZERO).unwrap();
     for _ in 0..200 {
         drive.step += 1;
-        let sighting = drive.hear();
-        robot.ranges(drive.stamp(), &[sighting]).unwrap();
+        let observation = drive.hear();
+        robot.ranges(drive.stamp(), &[observation]).unwrap();
     }
     let found = robot.estimate(drive.stamp()).unwrap().unwrap();
     let off = angle::difference(found.mean.z, drive.pose.theta).abs();
@@ -138,25 +138,25 @@ fn the_heading_outlives_the_window() {
 #[test]
 fn late_inputs_end_where_punctual_ones_do() {
     let mut drive = Drive::new(5);
-    let mut inputs: Vec<(f64, f64, Result<Sighting, Twist2>)> = Vec::new();
+    let mut inputs: Vec<(f64, f64, Result<LandmarkObservation, Twist2>)> = Vec::new();
     while drive.step < 120 {
         let stamp = drive.stamp();
         let twist = drive.drive();
         inputs.push((stamp + 0.25, stamp, Err(twist)));
         let stamp = drive.stamp();
-        let sighting = drive.hear();
+        let observation = drive.hear();
         let delay = drive.rng.random_range(0.0..1.0);
-        inputs.push((stamp + delay, stamp, Ok(sighting)));
+        inputs.push((stamp + delay, stamp, Ok(observation)));
     }
     let start = pose_belief(Pose2::new(4.0, 2.0, 0.3), [0.1, 0.1, 0.05]);
-    let follow = |inputs: &[(f64, f64, Result<Sighting, Twist2>)]| {
+    let follow = |inputs: &[(f64, f64, Result<LandmarkObservation, Twist2>)]| {
         let mut robot = SlidingLateration::new(map(), SlidingSettings::default(), 0.0)
             .unwrap()
             .start_at(&start)
             .unwrap();
         for (_, stamp, input) in inputs {
             match input {
-                Ok(sighting) => drop(robot.ranges(*stamp, &[*sighting]).unwrap()),
+                Ok(observation) => drop(robot.ranges(*stamp, &[*observation]).unwrap()),
                 Err(twist) => robot.velocity(*stamp, *twist).unwrap(),
             }
         }
@@ -173,7 +173,7 @@ fn late_inputs_end_where_punctual_ones_do() {
 fn what_cannot_be_used_is_told() {
     let mut robot = SlidingLateration::new(map(), SlidingSettings::default(), 0.0).unwrap();
     assert!(robot.estimate(0.0).unwrap().is_none() && robot.bias().is_none());
-    let bearing = Sighting { landmark: 1, sight: Sight::Bearing { bearing: 0.1 } };
+    let bearing = LandmarkObservation { landmark: 1, sight: Observed::Bearing { bearing: 0.1 } };
     let outcomes = robot.ranges(0.0, &[heard(99, 1.0), bearing, heard(1, 5.0)]).unwrap();
     let expected = [RangeOutcome::UnknownLandmark, RangeOutcome::NoRange, RangeOutcome::Waiting];
     assert_eq!(outcomes, expected);

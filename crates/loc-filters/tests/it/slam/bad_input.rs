@@ -2,15 +2,15 @@ use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::Error;
 use loc_filters::slam::{EkfSlam, Identities, MapSettings, SlamSettings, SlamVerdict};
-use loc_sensors::landmark_camera::{LandmarkNoise, Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
 use nalgebra::{Matrix3, Vector3};
 
 fn certain() -> Gaussian<3> {
     Gaussian::certain(Pose2::IDENTITY.to_vector())
 }
 
-fn see(landmark: u32, range: f64, bearing: f64) -> Sighting {
-    Sighting { landmark, sight: Sight::RangeBearing { range, bearing } }
+fn see(landmark: u32, range: f64, bearing: f64) -> LandmarkObservation {
+    LandmarkObservation { landmark, sight: Observed::RangeBearing { range, bearing } }
 }
 
 #[test]
@@ -22,7 +22,7 @@ fn refused_input_changes_nothing() {
         see(1, f64::NAN, 0.0),
         see(1, -1.0, 0.0),
         see(2, 1.0, f64::INFINITY),
-        Sighting { landmark: 1, sight: Sight::Range { range: f64::INFINITY } },
+        LandmarkObservation { landmark: 1, sight: Observed::Range { range: f64::INFINITY } },
     ] {
         assert!(slam.correct(&[see(1, 4.1, 0.0), bad]).is_err());
     }
@@ -32,7 +32,7 @@ fn refused_input_changes_nothing() {
     assert_eq!((slam.pose().unwrap(), slam.covariance().unwrap(), slam.step()), before);
 
     let refused = |settings: SlamSettings| EkfSlam::new(certain(), settings).is_err();
-    assert!(refused(SlamSettings { sight_noise: LandmarkNoise::NONE, ..Default::default() }));
+    assert!(refused(SlamSettings { observation_noise: LandmarkNoise::NONE, ..Default::default() }));
     let map = MapSettings { new_landmark_probability: 2.0, ..Default::default() };
     assert!(refused(SlamSettings { map, ..Default::default() }));
     let negative = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 1.0));
@@ -42,10 +42,10 @@ fn refused_input_changes_nothing() {
 
 #[test]
 fn sightings_that_cannot_be_used_have_a_reason() {
-    let map = MapSettings { most_landmarks: 2, ..Default::default() };
+    let map = MapSettings { max_landmarks: 2, ..Default::default() };
     let settings = SlamSettings { map, ..Default::default() };
     let mut slam = EkfSlam::new(certain(), settings).unwrap();
-    let bearing = Sighting { landmark: 9, sight: Sight::Bearing { bearing: 0.3 } };
+    let bearing = LandmarkObservation { landmark: 9, sight: Observed::Bearing { bearing: 0.3 } };
     let seen = [see(1, 4.0, 0.0), bearing, see(2, 0.0, 0.0), see(3, 2.0, 1.0), see(4, 2.0, -1.0)];
     let verdicts: Vec<_> = slam.correct(&seen).unwrap().iter().map(|o| o.verdict).collect();
     let [born, unplaceable] = [SlamVerdict::Born, SlamVerdict::Unplaceable];
@@ -55,7 +55,7 @@ fn sightings_that_cannot_be_used_have_a_reason() {
     assert!(!wrong.accepted() && wrong.nis().unwrap() > 100.0);
 }
 
-/// Two sightings of a number that contradict each other: the landmark goes, and comes back where
+/// Two observations of a number that contradict each other: the landmark goes, and comes back where
 /// the next one puts it.
 #[test]
 fn a_landmark_that_was_wrong_from_the_start_is_removed() {
@@ -90,7 +90,7 @@ fn a_hundred_thousand_sightings_in_one_step() {
 #[test]
 fn lost_positivity_is_reported_with_its_step() {
     let settings = SlamSettings {
-        sight_noise: LandmarkNoise {
+        observation_noise: LandmarkNoise {
             range_sigma: 1e-9,
             range_sigma_per_m: 0.0,
             bearing_sigma: 1e-9,

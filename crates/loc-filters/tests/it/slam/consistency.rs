@@ -10,7 +10,7 @@ use loc_sensors::world::Landmarks;
 use nalgebra::DMatrix;
 
 /// The information about a shift and a turn of everything together, `N^T P^-1 N`. With perfect
-/// odometry it cannot change, since no sighting tells of it.
+/// odometry it cannot change, since no observation tells of it.
 fn information_of_the_whole(jacobians: Jacobians) -> (DMatrix<f64>, DMatrix<f64>) {
     let settings =
         SlamSettings { jacobians, motion_noise: VelocityNoise::NONE, ..Default::default() };

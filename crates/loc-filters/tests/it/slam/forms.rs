@@ -1,14 +1,14 @@
-//! The forms of the filter: the invariant one, and errors that sightings have in common.
+//! The forms of the filter: the invariant one, and errors that observations have in common.
 
 use approx::assert_relative_eq;
 use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::slam::{EkfSlam, Identities, Jacobians, SlamSettings, SlamVerdict};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{DMatrix, Rotation2, Vector2};
 
-fn see(landmark: u32, range: f64, bearing: f64) -> Sighting {
-    Sighting { landmark, sight: Sight::RangeBearing { range, bearing } }
+fn see(landmark: u32, range: f64, bearing: f64) -> LandmarkObservation {
+    LandmarkObservation { landmark, sight: Observed::RangeBearing { range, bearing } }
 }
 
 /// x, y of the robot and of the landmarks in turn, and the heading.
@@ -67,7 +67,7 @@ fn common_errors_cancel_between_landmarks() {
         let mut slam = EkfSlam::new(start, settings).unwrap();
         slam.correct(&[see(1, 4.0, 0.0), see(2, 5.0, 0.0)]).unwrap();
         let p = slam.covariance().unwrap();
-        let noise = settings.sight_noise;
+        let noise = settings.observation_noise;
         let between = |k: usize| p[(k, k)] + p[(k + 2, k + 2)] - 2.0 * p[(k, k + 2)];
         let (range, bearing) = (noise.range_sigma.powi(2), noise.bearing_sigma.powi(2));
         assert_relative_eq!(p[(3, 3)], range, epsilon = 1e-12);
@@ -85,7 +85,7 @@ fn what_stands_beside_a_known_landmark_is_new() {
     for _ in 0..4 {
         slam.correct(&[see(0, 4.0, 0.0)]).unwrap();
     }
-    // As far as sightings of one landmark may lie apart: it may have been seen twice.
+    // As far as observations of one landmark may lie apart: it may have been seen twice.
     let twice = slam.correct(&[see(0, 4.0, 0.0), see(0, 4.0, 0.02)]).unwrap();
     assert!(twice[0].accepted() && matches!(twice[1].verdict, SlamVerdict::Ambiguous(_)));
     let beside = slam.correct(&[see(0, 4.0, 0.0), see(0, 4.0, 0.06)]).unwrap();

@@ -2,16 +2,16 @@
 
 use loc_core::Gaussian;
 use loc_core::random::stream;
-use loc_filters::slam::{LinearSlam, LinearSlamSettings, RelativeSighting};
+use loc_filters::slam::{LinearSlam, LinearSlamSettings, RelativeObservation};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use rand_distr::{Distribution, StandardNormal};
 
 const LANDMARKS: usize = 4;
 const STEPS: usize = 12;
 
-fn see(landmark: u32, x: f64, y: f64) -> RelativeSighting {
+fn see(landmark: u32, x: f64, y: f64) -> RelativeObservation {
     let covariance = Matrix2::identity() * 0.0025;
-    RelativeSighting { landmark, offset: Vector2::new(x, y), covariance }
+    RelativeObservation { landmark, offset: Vector2::new(x, y), covariance }
 }
 
 /// The filter's belief about the last position and the map is that of the normal equations over
@@ -49,9 +49,9 @@ fn equals_least_squares_over_the_whole_drive() {
             let way = 0.5 * velocity[axis];
             let variance = settings.k_d * way.abs();
             add(axis, &[(step, 1.0), (step - 1, -1.0)], way, variance);
-            for sighting in &seen {
-                let landmark = STEPS + 1 + sighting.landmark as usize - 10;
-                let z = sighting.offset[axis];
+            for observation in &seen {
+                let landmark = STEPS + 1 + observation.landmark as usize - 10;
+                let z = observation.offset[axis];
                 add(axis, &[(landmark, 1.0), (step, -1.0)], z, 0.0025);
             }
         }
@@ -95,7 +95,7 @@ fn a_new_landmark_is_as_uncertain_as_robot_and_sensor_together() {
 #[test]
 fn bad_input_is_refused_and_changes_nothing() {
     let start = Gaussian::certain(Vector2::zeros());
-    let settings = LinearSlamSettings { most_landmarks: 2, ..Default::default() };
+    let settings = LinearSlamSettings { max_landmarks: 2, ..Default::default() };
     let mut slam = LinearSlam::new(start, settings).unwrap();
     let see = |landmark, x| see(landmark, x, 0.0);
     assert!(slam.correct(&[see(1, 1.0), see(2, f64::NAN)]).is_err());
@@ -105,13 +105,13 @@ fn bad_input_is_refused_and_changes_nothing() {
     assert!(slam.correct(&[]).unwrap().is_empty());
     slam.correct(&[see(1, 1.0), see(2, 2.0), see(3, 3.0)]).unwrap();
     assert_eq!(slam.landmarks().count(), 2);
-    let singular = RelativeSighting { covariance: Matrix2::zeros(), ..see(1, 1.0) };
+    let singular = RelativeObservation { covariance: Matrix2::zeros(), ..see(1, 1.0) };
     assert!(slam.correct(&[singular]).is_err());
     let wrong = LinearSlamSettings { k_d: -1.0, ..settings };
     assert!(LinearSlam::new(start, wrong).is_err());
 }
 
-/// A sighting that is good along one diagonal and bad along the other: the gain of the textbook.
+/// An observation that is good along one diagonal and bad along the other: the gain of the textbook.
 #[test]
 fn the_axes_of_a_sighting_may_be_turned() {
     let start = Gaussian::new(Vector2::zeros(), Matrix2::identity() * 0.04).unwrap();
@@ -119,9 +119,9 @@ fn the_axes_of_a_sighting_may_be_turned() {
     let covariance = Matrix2::new(0.05, 0.03, 0.03, 0.04);
     slam.correct(&[see(1, 1.0, 2.0)]).unwrap();
     slam.predict(Vector2::new(1.0, 0.0), 1.0).unwrap();
-    let sighting = RelativeSighting { covariance, ..see(1, 0.1, 2.1) };
+    let observation = RelativeObservation { covariance, ..see(1, 0.1, 2.1) };
     let (robot, p) = (slam.robot(), slam.covariance().unwrap());
-    slam.correct(&[sighting]).unwrap();
+    slam.correct(&[observation]).unwrap();
     let h = DMatrix::from_row_slice(2, 4, &[-1., 0., 1., 0., 0., -1., 0., 1.]);
     let r = DMatrix::from_row_slice(2, 2, &[0.05, 0.03, 0.03, 0.04]);
     let k = &p * h.transpose() * (&h * &p * h.transpose() + r).try_inverse().unwrap();

@@ -6,7 +6,7 @@ use loc_filters::slam::{SlamLocalizer, SlamSettings};
 use loc_sensors::landmark_camera::LandmarkCamera;
 use loc_sensors::world::Landmarks;
 
-/// Late sightings end where punctual ones do, to the bit; beyond the horizon they are refused.
+/// Late observations end where punctual ones do, to the bit; beyond the horizon they are refused.
 #[test]
 fn late_sightings_end_where_punctual_ones_do() {
     let world = Landmarks::from([(1, [4.0, 0.0]), (2, [0.0, 4.0]), (3, [-3.0, -3.0])]);
@@ -23,22 +23,22 @@ fn late_sightings_end_where_punctual_ones_do() {
         if k % 5 == 0 {
             let truth = Integration::ExactArc.step(Pose2::IDENTITY, twist, stamp);
             let seen = camera.observe(&world, truth, &mut rng);
-            punctual.sightings(stamp, &seen).unwrap();
+            punctual.observations(stamp, &seen).unwrap();
             waiting.push((stamp, seen));
         }
         while waiting.first().is_some_and(|(seen, _)| seen + 0.4 <= stamp) {
-            let (seen, sightings) = waiting.remove(0);
-            late.sightings(seen, &sightings).unwrap();
+            let (seen, observations) = waiting.remove(0);
+            late.observations(seen, &observations).unwrap();
         }
     }
-    for (seen, sightings) in waiting {
-        late.sightings(seen, &sightings).unwrap();
+    for (seen, observations) in waiting {
+        late.observations(seen, &observations).unwrap();
     }
     assert_eq!(punctual.estimate(6.0).unwrap(), late.estimate(6.0).unwrap());
     assert_eq!(punctual.landmarks().unwrap(), late.landmarks().unwrap());
     let truth = Integration::ExactArc.step(Pose2::IDENTITY, twist, 6.0);
     assert!(punctual.estimate(6.0).unwrap().pose().distance(truth) < 0.3);
-    assert!(matches!(late.sightings(1.0, &[]), Err(Error::TooLate { .. })));
+    assert!(matches!(late.observations(1.0, &[]), Err(Error::TooLate { .. })));
     assert!(late.velocity(7.0, Twist2::forward(f64::NAN, 0.0)).is_err());
     assert_eq!(punctual.estimate(7.0).unwrap(), late.estimate(7.0).unwrap());
     assert!(late.estimate(f64::NAN).is_err());

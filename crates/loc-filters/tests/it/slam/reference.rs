@@ -4,11 +4,11 @@ use approx::assert_relative_eq;
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2, angle};
 use loc_filters::slam::{EkfSlam, Jacobians, SlamSettings, SlamVerdict};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use rand::RngExt;
 
-/// All in full: x = (robot, landmarks), P, one sighting after the other into one tall H.
+/// All in full: x = (robot, landmarks), P, one observation after the other into one tall H.
 struct Textbook {
     x: DVector<f64>,
     p: DMatrix<f64>,
@@ -40,17 +40,17 @@ impl Textbook {
     }
 
     fn noise(&self, range: f64) -> Matrix2<f64> {
-        let noise = self.settings.sight_noise;
+        let noise = self.settings.observation_noise;
         let sigmas = Vector2::new(noise.range_sigma_at(range), noise.bearing_sigma);
         Matrix2::from_diagonal(&sigmas.component_mul(&sigmas))
     }
 
-    fn correct(&mut self, sightings: &[Sighting]) {
+    fn correct(&mut self, observations: &[LandmarkObservation]) {
         let size = self.x.len();
         let (mut h, mut r): (Vec<DVector<f64>>, Vec<f64>) = (Vec::new(), Vec::new());
         let mut variances = Vec::new();
-        for sighting in sightings {
-            let Some(k) = self.known.iter().position(|id| *id == sighting.landmark) else {
+        for observation in observations {
+            let Some(k) = self.known.iter().position(|id| *id == observation.landmark) else {
                 continue;
             };
             let (lx, ly) = (3 + 2 * k, 4 + 2 * k);
@@ -64,11 +64,11 @@ impl Textbook {
                 r.push(residual);
                 variances.push(variance);
             };
-            if let Some(seen) = sighting.sight.range() {
+            if let Some(seen) = observation.sight.range() {
                 let [a, b] = [dx / range, dy / range];
                 row([(0, -a), (1, -b), (2, 0.0), (lx, a), (ly, b)], seen - range, noise.m11);
             }
-            if let Some(seen) = sighting.sight.bearing() {
+            if let Some(seen) = observation.sight.bearing() {
                 let residual = angle::wrap(seen - (dy.atan2(dx) - self.x[2]));
                 let [a, b] = [dy / q, dx / q];
                 row([(0, a), (1, -b), (2, -1.0), (lx, -a), (ly, b)], residual, noise.m22);
@@ -82,15 +82,15 @@ impl Textbook {
             self.x += &k * DVector::from_vec(r);
             self.p = (DMatrix::identity(size, size) - &k * h) * &self.p;
         }
-        for sighting in sightings {
-            if !self.known.contains(&sighting.landmark) {
-                self.append(sighting);
+        for observation in observations {
+            if !self.known.contains(&observation.landmark) {
+                self.append(observation);
             }
         }
     }
 
-    fn append(&mut self, sighting: &Sighting) {
-        let Sight::RangeBearing { range, bearing } = sighting.sight else { return };
+    fn append(&mut self, observation: &LandmarkObservation) {
+        let Observed::RangeBearing { range, bearing } = observation.sight else { return };
         let (sin, cos) = (self.x[2] + bearing).sin_cos();
         let (dx, dy) = (range * cos, range * sin);
         let size = self.x.len();
@@ -108,25 +108,25 @@ impl Textbook {
         p.view_mut((size, size), (2, 2)).copy_from(&own);
         self.p = p;
         self.x = self.x.push(self.x[0] + dx).push(self.x[1] + dy);
-        self.known.push(sighting.landmark);
+        self.known.push(observation.landmark);
     }
 }
 
 /// A landmark somewhere in the room, as seen from a pose, off by a little.
-fn see(pose: Pose2, id: u32, off: f64) -> Sighting {
+fn see(pose: Pose2, id: u32, off: f64) -> LandmarkObservation {
     let place = stream(u64::from(id), "place").random_range(-6.0..6.0);
     let (dx, dy) = (place - pose.x, 7.0 + f64::from(id % 5) - pose.y);
     let (range, bearing) = (dx.hypot(dy) + off, angle::wrap(dy.atan2(dx) - pose.theta - off));
     let sight = match id % 7 {
         // Some are seen in full only at first.
-        5 if off > 0.0 => Sight::Range { range },
-        6 if off > 0.0 => Sight::Bearing { bearing },
-        _ => Sight::RangeBearing { range, bearing },
+        5 if off > 0.0 => Observed::Range { range },
+        6 if off > 0.0 => Observed::Bearing { bearing },
+        _ => Observed::RangeBearing { range, bearing },
     };
-    Sighting { landmark: id, sight }
+    LandmarkObservation { landmark: id, sight }
 }
 
-/// Every size of map from none to 21 landmarks, every number of sightings from one to nine at
+/// Every size of map from none to 21 landmarks, every number of observations from one to nine at
 /// once: whatever remains beside the whole vectors of the processor, the matrices are the same.
 #[test]
 fn equals_the_textbook_on_full_matrices() {
@@ -146,7 +146,7 @@ fn equals_the_textbook_on_full_matrices() {
         for k in 0..(step % 9).min(step) {
             seen.push(see(truth, (step * 5 + 3 * k) % step, 0.01 * f64::from(k + 1)));
         }
-        seen.dedup_by_key(|sighting| sighting.landmark);
+        seen.dedup_by_key(|observation| observation.landmark);
         let outcomes = slam.correct(&seen).unwrap();
         book.correct(&seen);
         assert_eq!(outcomes[0].verdict, SlamVerdict::Born);
@@ -168,8 +168,10 @@ fn equals_the_textbook_on_full_matrices() {
 fn two_sightings_of_one_landmark_by_hand() {
     let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
     let mut slam = EkfSlam::new(start, SlamSettings::default()).unwrap();
-    let ahead =
-        |range| Sighting { landmark: 3, sight: Sight::RangeBearing { range, bearing: 0.0 } };
+    let ahead = |range| LandmarkObservation {
+        landmark: 3,
+        sight: Observed::RangeBearing { range, bearing: 0.0 },
+    };
     slam.correct(&[ahead(4.0)]).unwrap();
     let born = slam.landmark(3).unwrap().unwrap().position;
     // Along the view the range's 5 cm, across it 4 m times 1 degree.
@@ -181,7 +183,7 @@ fn two_sightings_of_one_landmark_by_hand() {
     let seen_twice = slam.landmark(3).unwrap().unwrap();
     assert_relative_eq!(seen_twice.position.mean.x, 4.05, epsilon = 1e-12);
     assert_relative_eq!(seen_twice.position.covariance.m11, 0.00125, epsilon = 1e-15);
-    assert_eq!((seen_twice.sightings, seen_twice.confirmed), (2, false));
+    assert_eq!((seen_twice.observations, seen_twice.confirmed), (2, false));
     // The robot was certain where it is, and still is.
     assert_eq!(slam.pose().unwrap(), start);
 }

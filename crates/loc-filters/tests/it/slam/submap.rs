@@ -46,7 +46,7 @@ fn compare(whole: &EkfSlam, parts: &EkfSlam) {
     let (a, b) = (whole.landmarks().unwrap(), parts.landmarks().unwrap());
     assert_eq!(a.len(), b.len());
     for (a, b) in a.iter().zip(&b) {
-        assert_eq!((a.id, a.sightings, a.confirmed), (b.id, b.sightings, b.confirmed));
+        assert_eq!((a.id, a.observations, a.confirmed), (b.id, b.observations, b.confirmed));
         assert!((a.position.mean - b.position.mean).amax() < 1e-9, "{a:?} {b:?}");
         assert!((a.position.covariance - b.position.covariance).amax() < 1e-10, "{a:?} {b:?}");
     }

@@ -4,7 +4,7 @@ use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::association::{AssociationSettings, Rule};
 use loc_filters::slam::{EkfSlam, Identities, SlamSettings, SlamVerdict};
-use loc_sensors::landmark_camera::{LandmarkCamera, Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkCamera, LandmarkObservation, Observed};
 use loc_sensors::world::Landmarks;
 use rand::RngExt;
 
@@ -42,7 +42,7 @@ fn two_rounds_find_every_landmark_once() {
             truth = slam.settings().integration.step(truth, twist, 0.2);
             slam.predict(Twist2::forward(0.51, 0.51 / 3.0), 0.2).unwrap();
             let mut seen = camera.observe(&world, truth, &mut rng);
-            seen.iter_mut().for_each(|sighting| sighting.landmark = 0);
+            seen.iter_mut().for_each(|observation| observation.landmark = 0);
             slam.correct(&seen).unwrap();
         }
         assert_eq!(slam.len(), PLACES.len(), "{rule:?}");
@@ -60,8 +60,10 @@ fn two_rounds_find_every_landmark_once() {
 #[test]
 fn what_is_seen_once_and_never_again_is_removed() {
     let mut slam = unknown(Rule::JointCompatibility);
-    let see =
-        |range, bearing| Sighting { landmark: 0, sight: Sight::RangeBearing { range, bearing } };
+    let see = |range, bearing| LandmarkObservation {
+        landmark: 0,
+        sight: Observed::RangeBearing { range, bearing },
+    };
     let real = [see(3.0, 0.5), see(4.0, -0.5), see(2.0, 0.9)];
     for _ in 0..4 {
         slam.correct(&real).unwrap();

@@ -5,7 +5,7 @@ use super::super::lanes::is_pose;
 use std::f64::consts::TAU;
 
 /// Most headings that are told apart: a square of the floor has one bit for each.
-pub(super) const MOST_HEADINGS: u32 = 64;
+pub(super) const MAX_HEADINGS: u32 = 64;
 
 /// A cell: its square of the floor and the number of its heading.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +27,7 @@ pub(super) struct Raster {
 impl Raster {
     /// Cells of `side` \[m\] and about `width` \[rad\], so that a whole number of them fills a turn.
     pub(super) fn new(side: f64, width: f64) -> Self {
-        let headings = (TAU / width).round().clamp(3.0, f64::from(MOST_HEADINGS));
+        let headings = (TAU / width).round().clamp(3.0, f64::from(MAX_HEADINGS));
         Raster {
             squares_per_metre: 1.0 / side,
             headings_per_radian: headings / TAU,

@@ -7,13 +7,13 @@ use loc_core::Normal;
 use std::f64::consts::TAU;
 
 /// No range is less likely than this \[1/m\], so that a share of 0 rules no pose out for good.
-const LEAST: f64 = 1e-12;
+const MIN: f64 = 1e-12;
 
 /// Parts of `sigma_hit` between which the logarithm is interpolated.
 const STEPS_PER_SIGMA: f64 = 8.0;
 
 /// Most steps from 0 to the longest range.
-const MOST_STEPS: f64 = 16384.0;
+const MAX_STEPS: f64 = 16384.0;
 
 /// Farther from the expected range than this nothing counts as a hit \[sigma_hit\].
 const REACH: f64 = 8.0;
@@ -98,7 +98,7 @@ impl RangeModel for BeamModel {
 
     fn step(&self) -> f64 {
         let BeamModelSettings { sigma_hit, max_range, .. } = self.settings;
-        (sigma_hit / STEPS_PER_SIGMA).clamp(max_range / MOST_STEPS, max_range / 2.0)
+        (sigma_hit / STEPS_PER_SIGMA).clamp(max_range / MAX_STEPS, max_range / 2.0)
     }
 
     fn log_density(&self, expected: f64, measured: f64) -> f64 {
@@ -106,7 +106,7 @@ impl RangeModel for BeamModel {
             BeamForm::Gaussian => self.log_gaussian(expected, measured),
             BeamForm::Mixture => {
                 let parts: f64 = self.parts(expected, measured).iter().sum();
-                parts.max(LEAST).ln()
+                parts.max(MIN).ln()
             }
         }
     }
@@ -120,7 +120,7 @@ impl RangeModel for BeamModel {
         // What the densities of short ranges are divided by.
         let before = |k: usize| -(-lambda_short * k as f64 * step).exp_m1();
         let stopped: Vec<f64> = (0..entries).map(|k| z_short * lambda_short / before(k)).collect();
-        let random = (z_rand / max_range).max(LEAST);
+        let random = (z_rand / max_range).max(MIN);
         for (&measured, table) in measured.iter().zip(rows(tables, measured.len())) {
             let Some((finite, nothing)) = table.split_last_chunk_mut::<2>() else { return };
             nothing.fill(self.log_density(f64::INFINITY, measured) as f32);

@@ -1,14 +1,14 @@
 //! The likelihood of many poses at once, in single precision.
 //!
-//! Particles are taken in blocks whose coordinates stay in the fastest memory; for each sighting a
+//! Particles are taken in blocks whose coordinates stay in the fastest memory; for each observation a
 //! loop without branches runs over the block. No direction is computed for a particle, only the
 //! angle between where the landmark is and where it was seen. With outliers the factors of a few
-//! sightings are multiplied up before one logarithm is taken.
+//! observations are multiplied up before one logarithm is taken.
 
-use super::{LandmarkLikelihood, Placed, SightModel, plain, single};
+use super::{LandmarkLikelihood, ObservationModel, Placed, plain, single};
 use crate::Poses;
 use loc_core::Pose2;
-use loc_sensors::landmark_camera::Sight;
+use loc_sensors::landmark_camera::Observed;
 use nalgebra::Point2;
 
 /// Particles of one block: a multiple of every vector's length.
@@ -17,7 +17,7 @@ const BLOCK: usize = 64;
 /// The smallest product of factors that is sure to be a normal number, with room.
 const SMALLEST_PRODUCT: f64 = 1e-34;
 
-/// A sighting in single precision.
+/// An observation in single precision.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     kind: Kind,
@@ -33,9 +33,9 @@ pub(super) struct Seen {
     /// 1 / sigma of the distance at the measured one, and of the direction.
     per_range_sigma: f32,
     per_bearing_sigma: f32,
-    /// Density of a wrong sighting over the largest of a right one.
+    /// Density of a wrong observation over the largest of a right one.
     outlier: f32,
-    /// Logarithm of the largest density of a right sighting, times their share.
+    /// Logarithm of the largest density of a right observation, times their share.
     log_peak: f64,
 }
 
@@ -47,8 +47,8 @@ enum Kind {
 }
 
 impl Seen {
-    pub(super) fn new(placed: &Placed, origin: Point2<f64>, model: &SightModel) -> Self {
-        let (noise, sight) = (&model.noise, placed.sighting.sight);
+    pub(super) fn new(placed: &Placed, origin: Point2<f64>, model: &ObservationModel) -> Self {
+        let (noise, sight) = (&model.noise, placed.observation.sight);
         let way = placed.landmark - origin;
         let range = sight.range().unwrap_or(0.0);
         let (sin, cos) = (sight.bearing().unwrap_or(0.0) + model.mounting.theta).sin_cos();
@@ -56,9 +56,9 @@ impl Seen {
         let outlier = (plain::wrong(placed, model) - log_peak).exp();
         Seen {
             kind: match sight {
-                Sight::RangeBearing { .. } => Kind::RangeBearing,
-                Sight::Range { .. } => Kind::Range,
-                Sight::Bearing { .. } => Kind::Bearing,
+                Observed::RangeBearing { .. } => Kind::RangeBearing,
+                Observed::Range { .. } => Kind::Range,
+                Observed::Bearing { .. } => Kind::Bearing,
             },
             landmark: [way.x as f32, way.y as f32],
             range: range as f32,
@@ -148,11 +148,11 @@ impl Block {
         self.product = [1.0; BLOCK];
     }
 
-    /// Rates the block by all sightings.
+    /// Rates the block by all observations.
     #[inline(always)]
-    fn rate(&mut self, sightings: &[Seen]) {
+    fn rate(&mut self, observations: &[Seen]) {
         let mut smallest = 1.0;
-        for seen in sightings {
+        for seen in observations {
             if seen.outlier > 0.0 && smallest * f64::from(seen.outlier) < SMALLEST_PRODUCT {
                 self.take_logarithms();
                 smallest = 1.0;
@@ -177,7 +177,7 @@ impl Block {
         }
     }
 
-    /// Rates the block by one sighting; `GROWS` where the sigma of its distance does.
+    /// Rates the block by one observation; `GROWS` where the sigma of its distance does.
     #[inline(always)]
     fn add<const RANGE: bool, const BEARING: bool, const GROWS: bool>(&mut self, seen: &Seen) {
         if seen.outlier > 0.0 {

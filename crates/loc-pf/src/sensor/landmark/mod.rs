@@ -1,22 +1,22 @@
 //! Landmarks of known places, seen by distance, direction or both (M5).
 //!
 //! From a particle's pose follows where each landmark should have been seen; the nearer the
-//! sighting is to that, the larger the particle's weight:
+//! observation is to that, the larger the particle's weight:
 //! `p = prod_j N(r_j - r_j*; s_r) N(phi_j - phi_j*; s_phi)`. Now and then a number is misread. So
-//! that one such sighting does not rule out the right pose, each factor is a mixture with a small
+//! that one such observation does not rule out the right pose, each factor is a mixture with a small
 //! even density over everything that a camera can report.
 //!
 //! ```
 //! use loc_core::{Pose2, random::stream};
 //! use loc_maps::{Landmark, LandmarkMap};
 //! use loc_pf::{ParticleFilter, Particles};
-//! use loc_pf::sensor::landmark::{LandmarkLikelihood, SightModel};
-//! use loc_sensors::landmark_camera::{Sight, Sighting};
+//! use loc_pf::sensor::landmark::{LandmarkLikelihood, ObservationModel};
+//! use loc_sensors::landmark_camera::{Observed, LandmarkObservation};
 //!
 //! let map = LandmarkMap::new([Landmark::planar(7, 3.0, 4.0)])?;
-//! let sight = Sight::RangeBearing { range: 5.0, bearing: 4_f64.atan2(3.0) };
-//! let seen = [Sighting { landmark: 7, sight }, Sighting { landmark: 99, sight }];
-//! let likelihood = LandmarkLikelihood::new(&map, &seen, &SightModel::default())?;
+//! let sight = Observed::RangeBearing { range: 5.0, bearing: 4_f64.atan2(3.0) };
+//! let seen = [LandmarkObservation { landmark: 7, sight }, LandmarkObservation { landmark: 99, sight }];
+//! let likelihood = LandmarkLikelihood::new(&map, &seen, &ObservationModel::default())?;
 //! assert_eq!(likelihood.unknown(), [seen[1]]);
 //! let there = likelihood.log_likelihood(Pose2::IDENTITY);
 //! assert!(there > likelihood.log_likelihood(Pose2::new(0.1, 0.0, 0.0)));
@@ -44,28 +44,28 @@ use kernel::Seen;
 use loc_core::Pose2;
 use loc_core::error::{finite, in_range, non_negative, positive};
 use loc_maps::LandmarkMap;
-use loc_sensors::landmark_camera::{LandmarkNoise, Sighting};
+use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation};
 use nalgebra::Point2;
 
-/// How sightings come about.
+/// How observations come about.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct SightModel {
-    /// How far a right sighting may be off; both sigmas above 0.
+pub struct ObservationModel {
+    /// How far a right observation may be off; both sigmas above 0.
     pub noise: LandmarkNoise,
     /// The camera's pose on the robot, `base_from_camera`.
     pub mounting: Pose2,
-    /// Share of sightings that say nothing, such as misread numbers, in \[0, 1).
+    /// Share of observations that say nothing, such as misread numbers, in \[0, 1).
     pub outlier_share: f64,
     /// Distance up to which landmarks are seen \[m\]: the wrong ones lie anywhere within it.
     pub outlier_range: f64,
 }
 
-impl Default for SightModel {
-    /// 5 cm and 1 degree at the robot's centre; one sighting in a hundred is wrong, up to 10 m away.
+impl Default for ObservationModel {
+    /// 5 cm and 1 degree at the robot's centre; one observation in a hundred is wrong, up to 10 m away.
     fn default() -> Self {
-        SightModel {
+        ObservationModel {
             noise: LandmarkNoise::default(),
             mounting: Pose2::IDENTITY,
             outlier_share: 0.01,
@@ -74,7 +74,7 @@ impl Default for SightModel {
     }
 }
 
-impl SightModel {
+impl ObservationModel {
     /// Checks every value.
     ///
     /// # Errors
@@ -94,73 +94,80 @@ impl SightModel {
     }
 }
 
-/// Sightings of one moment before a map, ready to rate poses.
+/// LandmarkObservations of one moment before a map, ready to rate poses.
 ///
 /// Many poses are rated in single precision, relative to the first landmark: a pose 100 m from it
 /// is rounded by 4 um, an angle by 4 urad, the logarithm by 1e-5 and a relative 2e-5.
 /// [`log_likelihood`](LandmarkLikelihood::log_likelihood) is the plain form in double precision.
 #[derive(Debug, Clone)]
 pub struct LandmarkLikelihood {
-    model: SightModel,
-    sightings: Vec<Placed>,
-    unknown: Vec<Sighting>,
+    model: ObservationModel,
+    observations: Vec<Placed>,
+    unknown: Vec<LandmarkObservation>,
     /// Where single precision counts from \[m\]: the first landmark.
     origin: Point2<f64>,
     seen: Vec<Seen>,
 }
 
-/// A sighting with the place of its landmark in the map \[m\].
+/// An observation with the place of its landmark in the map \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Placed {
     pub(crate) landmark: Point2<f64>,
-    pub(crate) sighting: Sighting,
+    pub(crate) observation: LandmarkObservation,
 }
 
 impl LandmarkLikelihood {
-    /// Looks the sightings up in the map. Numbers that the map has not are left out, see
+    /// Looks the observations up in the map. Numbers that the map has not are left out, see
     /// [`unknown`](LandmarkLikelihood::unknown).
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for sightings and models that are not valid.
-    pub fn new(map: &LandmarkMap, sightings: &[Sighting], model: &SightModel) -> Result<Self> {
+    /// [`loc_core::Error::OutOfRange`] for observations and models that are not valid.
+    pub fn new(
+        map: &LandmarkMap,
+        observations: &[LandmarkObservation],
+        model: &ObservationModel,
+    ) -> Result<Self> {
         model.validate()?;
-        let (mut placed, mut unknown) = (Vec::with_capacity(sightings.len()), Vec::new());
-        for sighting in sightings {
-            sighting.sight.check()?;
-            match map.get(sighting.landmark) {
+        let (mut placed, mut unknown) = (Vec::with_capacity(observations.len()), Vec::new());
+        for observation in observations {
+            observation.sight.check()?;
+            match map.get(observation.landmark) {
                 Some(landmark) => {
-                    placed.push(Placed { landmark: landmark.position.xy(), sighting: *sighting });
+                    placed.push(Placed {
+                        landmark: landmark.position.xy(),
+                        observation: *observation,
+                    });
                 }
-                None => unknown.push(*sighting),
+                None => unknown.push(*observation),
             }
         }
         let origin = placed.first().map_or(Point2::origin(), |first: &Placed| first.landmark);
         let seen = placed.iter().map(|placed| Seen::new(placed, origin, model)).collect();
-        Ok(LandmarkLikelihood { model: *model, sightings: placed, unknown, origin, seen })
+        Ok(LandmarkLikelihood { model: *model, observations: placed, unknown, origin, seen })
     }
 
-    /// Number of sightings that rate.
+    /// Number of observations that rate.
     pub fn len(&self) -> usize {
-        self.sightings.len()
+        self.observations.len()
     }
 
-    /// Whether there is no sighting that rates; every pose is then as likely as any other.
+    /// Whether there is no observation that rates; every pose is then as likely as any other.
     pub fn is_empty(&self) -> bool {
-        self.sightings.is_empty()
+        self.observations.is_empty()
     }
 
-    /// The sightings whose number is not in the map, in the order in which they came.
-    pub fn unknown(&self) -> &[Sighting] {
+    /// The observations whose number is not in the map, in the order in which they came.
+    pub fn unknown(&self) -> &[LandmarkObservation] {
         &self.unknown
     }
 
-    /// The sightings that rate, with the places of their landmarks.
+    /// The observations that rate, with the places of their landmarks.
     pub(crate) fn placed(&self) -> &[Placed] {
-        &self.sightings
+        &self.observations
     }
 
-    /// How the sightings come about.
-    pub fn model(&self) -> &SightModel {
+    /// How the observations come about.
+    pub fn model(&self) -> &ObservationModel {
         &self.model
     }
 }

@@ -1,14 +1,14 @@
 //! Sensor resetting: poses drawn from what was just seen.
 //!
-//! A robot that was carried away finds back faster if new particles start where the sightings put
+//! A robot that was carried away finds back faster if new particles start where the observations put
 //! it, not anywhere. Two landmarks by distance and direction fix a pose; one leaves a ring around
 //! the landmark; directions alone leave the place open and fix the heading (Lenser and Veloso
 //! 2000).
 
-use super::{LandmarkLikelihood, Placed, SightModel};
+use super::{LandmarkLikelihood, ObservationModel, Placed};
 use loc_core::{Pose2, angle};
 use loc_maps::Bounds;
-use loc_sensors::landmark_camera::Sight;
+use loc_sensors::landmark_camera::Observed;
 use nalgebra::{Point2, Vector2};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
@@ -17,10 +17,10 @@ use std::f64::consts::{PI, TAU};
 /// How often a pose outside the region is drawn again.
 const TRIES: usize = 20;
 
-/// Draws poses from the sightings of one moment.
+/// Draws poses from the observations of one moment.
 ///
-/// Each draw believes one sighting, or two, and blurs them by `spread` times their noise, so that a
-/// cloud of such poses is wider than what the sightings say and may be weighed by them.
+/// Each draw believes one observation, or two, and blurs them by `spread` times their noise, so that a
+/// cloud of such poses is wider than what the observations say and may be weighed by them.
 #[derive(Debug, Clone)]
 pub struct SensorResetting<'a> {
     likelihood: &'a LandmarkLikelihood,
@@ -29,18 +29,18 @@ pub struct SensorResetting<'a> {
 }
 
 impl<'a> SensorResetting<'a> {
-    /// Draws from sightings, within a region of the map.
+    /// Draws from observations, within a region of the map.
     pub fn new(likelihood: &'a LandmarkLikelihood, region: Bounds) -> Self {
         SensorResetting { likelihood, region, spread: 2.0 }
     }
 
-    /// The same with another spread, in standard deviations of the sightings.
+    /// The same with another spread, in standard deviations of the observations.
     #[must_use]
     pub fn with_spread(self, spread: f64) -> Self {
         SensorResetting { spread, ..self }
     }
 
-    /// A pose that fits some of the sightings. Without any it is a pose anywhere in the region.
+    /// A pose that fits some of the observations. Without any it is a pose anywhere in the region.
     pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> Pose2 {
         for _ in 0..TRIES {
             let inside = |pose: &Pose2| self.region.contains(&pose.position());
@@ -55,13 +55,13 @@ impl<'a> SensorResetting<'a> {
         let (first, second) = pick(self.likelihood.placed(), rng);
         let (first, second) = (self.blurred(first?, rng), second.map(|it| self.blurred(it, rng)));
         let camera = match (first.sight, second) {
-            (Sight::RangeBearing { .. }, Some(second)) => two(&first, &second, rng),
-            (Sight::Range { .. }, Some(second)) => two(&first, &second, rng),
-            (Sight::RangeBearing { range, bearing }, None) => {
+            (Observed::RangeBearing { .. }, Some(second)) => two(&first, &second, rng),
+            (Observed::Range { .. }, Some(second)) => two(&first, &second, rng),
+            (Observed::RangeBearing { range, bearing }, None) => {
                 Some(on_ring(first.landmark, range, Some(bearing), rng))
             }
-            (Sight::Range { range }, None) => Some(on_ring(first.landmark, range, None, rng)),
-            (Sight::Bearing { bearing }, _) => {
+            (Observed::Range { range }, None) => Some(on_ring(first.landmark, range, None, rng)),
+            (Observed::Bearing { bearing }, _) => {
                 let place = anywhere(&self.region, rng).position();
                 let way = first.landmark - place;
                 Some(Pose2::new(place.x, place.y, way.y.atan2(way.x) - bearing))
@@ -70,10 +70,10 @@ impl<'a> SensorResetting<'a> {
         Some(camera? * self.likelihood.model().mounting.inverse())
     }
 
-    /// A sighting with an error more.
+    /// An observation with an error more.
     fn blurred<R: Rng + ?Sized>(&self, placed: &Placed, rng: &mut R) -> Blurred {
-        let SightModel { noise, .. } = self.likelihood.model();
-        let sight = placed.sighting.sight;
+        let ObservationModel { noise, .. } = self.likelihood.model();
+        let sight = placed.observation.sight;
         let mut draw = |sigma: f64| -> f64 {
             let unit: f64 = StandardNormal.sample(rng);
             self.spread * sigma * unit
@@ -81,9 +81,9 @@ impl<'a> SensorResetting<'a> {
         let range = sight.range().map(|r| (r + draw(noise.range_sigma_at(r))).max(0.0));
         let bearing = sight.bearing().map(|bearing| bearing + draw(noise.bearing_sigma));
         let sight = match (range, bearing) {
-            (Some(range), Some(bearing)) => Sight::RangeBearing { range, bearing },
-            (Some(range), None) => Sight::Range { range },
-            (None, bearing) => Sight::Bearing { bearing: bearing.unwrap_or(0.0) },
+            (Some(range), Some(bearing)) => Observed::RangeBearing { range, bearing },
+            (Some(range), None) => Observed::Range { range },
+            (None, bearing) => Observed::Bearing { bearing: bearing.unwrap_or(0.0) },
         };
         Blurred { landmark: placed.landmark, sight }
     }
@@ -91,10 +91,10 @@ impl<'a> SensorResetting<'a> {
 
 struct Blurred {
     landmark: Point2<f64>,
-    sight: Sight,
+    sight: Observed,
 }
 
-/// Two sightings of different landmarks at random, or the only one. What has a distance comes
+/// Two observations of different landmarks at random, or the only one. What has a distance comes
 /// first, and alone where the other has none.
 fn pick<'p, R: Rng + ?Sized>(
     placed: &'p [Placed],
@@ -110,14 +110,14 @@ fn pick<'p, R: Rng + ?Sized>(
         return (Some(first), None);
     }
     let second = placed.iter().filter(differs).nth(rng.random_range(0..others));
-    let has_range = |placed: &Placed| placed.sighting.sight.range().is_some();
+    let has_range = |placed: &Placed| placed.observation.sight.range().is_some();
     match (has_range(first), second) {
         (false, Some(second)) if has_range(second) => (Some(second), Some(first)),
         _ => (Some(first), second),
     }
 }
 
-/// A camera's pose from two sightings, the first with a distance.
+/// A camera's pose from two observations, the first with a distance.
 fn two<R: Rng + ?Sized>(first: &Blurred, second: &Blurred, rng: &mut R) -> Option<Pose2> {
     let range = first.sight.range()?;
     match (first.sight.bearing(), second.sight.range(), second.sight.bearing()) {

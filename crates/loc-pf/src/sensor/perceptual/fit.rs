@@ -9,7 +9,7 @@ use crate::sensor::beam::{BeamForm, BeamModel, BeamModelSettings};
 const FEWEST: usize = 100;
 
 /// At most so many steps.
-const MOST_STEPS: usize = 500;
+const MAX_STEPS: usize = 500;
 
 /// The fit has converged when a step gains less than this a pair.
 const GAIN: f64 = 1e-7;
@@ -18,7 +18,7 @@ const GAIN: f64 = 1e-7;
 const HALVINGS: usize = 30;
 
 /// A share of 0 would stay 0.
-const LEAST_SHARE: f64 = 0.01;
+const MIN_SHARE: f64 = 0.01;
 
 /// What was fitted, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +47,7 @@ pub struct FitReport {
 pub fn fit_beam_model(pairs: &[RangePair], start: &BeamModelSettings) -> Result<FitReport> {
     let mut settings = start.normalized()?;
     let z = [&mut settings.z_hit, &mut settings.z_short, &mut settings.z_max, &mut settings.z_rand];
-    z.into_iter().for_each(|share| *share = share.max(LEAST_SHARE));
+    z.into_iter().for_each(|share| *share = share.max(MIN_SHARE));
     settings.form = BeamForm::Mixture;
     let ranges = |pair: &&RangePair| pair.expected >= 0.0 && pair.measured >= 0.0;
     let pairs: Vec<RangePair> = pairs.iter().filter(ranges).copied().collect();
@@ -67,7 +67,7 @@ fn climb(pairs: &[RangePair], mut settings: BeamModelSettings) -> Result<FitRepo
     let mut now = Statistics::of(pairs, &BeamModel::new(&settings)?);
     let mut log_likelihoods = vec![mean(&now)];
     let mut converged = false;
-    while !converged && log_likelihoods.len() <= MOST_STEPS {
+    while !converged && log_likelihoods.len() <= MAX_STEPS {
         let mut proposed = now.improve(&settings);
         let mut next = Statistics::of(pairs, &BeamModel::new(&proposed)?);
         for _ in 0..HALVINGS {

@@ -5,7 +5,7 @@ use crate::Result;
 use loc_core::error::{in_range, positive};
 
 /// Most bins along an axis.
-const MOST_BINS: f64 = 4096.0;
+const MAX_BINS: f64 = 4096.0;
 
 /// How often a range was measured where another one was expected.
 ///
@@ -31,7 +31,7 @@ impl PerceptualHistogram {
         positive("max_range [m]", max_range)?;
         positive("width of a bin [m]", width)?;
         let bins = (max_range / width).round().max(1.0);
-        in_range("bins of a histogram", "at most 4096", bins, |bins| bins <= MOST_BINS)?;
+        in_range("bins of a histogram", "at most 4096", bins, |bins| bins <= MAX_BINS)?;
         let bins = bins as usize;
         let counts = vec![0; (bins + 1) * (bins + 1)];
         Ok(PerceptualHistogram { max_range, bins, counts, pairs: 0 })

@@ -58,23 +58,23 @@ impl Statistics {
         let mut better = BeamModelSettings { z_hit, z_short, z_max, z_rand, ..*settings };
         if self.expected_squares > 0.0 {
             let sigma = (self.squares / self.expected_squares).sqrt();
-            better.sigma_hit = sigma.clamp(LEAST_SIGMA, settings.max_range);
+            better.sigma_hit = sigma.clamp(MIN_SIGMA, settings.max_range);
         }
         if self.variance_of_shorts > 0.0 {
             let lambda = settings.lambda_short;
             let step = (self.expected_shorts - self.shorts) / self.variance_of_shorts;
             let newton = (lambda + step).clamp(lambda / 3.0, lambda * 3.0);
-            better.lambda_short = newton.clamp(LEAST_LAMBDA, MOST_LAMBDA);
+            better.lambda_short = newton.clamp(MIN_LAMBDA, MAX_LAMBDA);
         }
         better
     }
 }
 
 /// Simulated ranges without noise would end at 0.
-const LEAST_SIGMA: f64 = 1e-3;
+const MIN_SIGMA: f64 = 1e-3;
 /// From here on there is no telling an even distribution from one that falls off [1/m].
-const LEAST_LAMBDA: f64 = 1e-4;
-const MOST_LAMBDA: f64 = 1e3;
+const MIN_LAMBDA: f64 = 1e-4;
+const MAX_LAMBDA: f64 = 1e3;
 
 /// The expected square of a hit's deviation in units of sigma^2: below 1 near the ends.
 fn squared_deviation(expected: f64, settings: &BeamModelSettings) -> f64 {

@@ -19,7 +19,7 @@ pub enum Format {
     Plaza,
     /// A folder of the Freiburg landmark course.
     LandmarkCourse,
-    /// MRPT's demonstration of SLAM as text: its folder, or its file of sightings.
+    /// MRPT's demonstration of SLAM as text: its folder, or its file of observations.
     KfSlamDemo,
     /// A folder of Victoria Park.
     VictoriaPark,

@@ -30,7 +30,7 @@ pub(super) fn prepare(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
     };
     let mut settings = MethodSettings { seed: SEED, ..config.settings()? };
     if config.filter.camera.is_none() {
-        settings.landmark.sight_noise = source.noise();
+        settings.landmark.observation_noise = source.noise();
     }
     let odometry = (!args.global_start && !config.filter.global).then_some(Method::DeadReckoning);
     Ok(Replay {

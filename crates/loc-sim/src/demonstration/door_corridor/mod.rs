@@ -42,7 +42,7 @@ pub struct DoorCorridorConfig {
 }
 
 /// The most drives, each of which takes two panels of the figure.
-const MOST_DRIVES: usize = 8;
+const MAX_DRIVES: usize = 8;
 
 impl DoorCorridorConfig {
     pub(super) fn check(&self) -> Result<()> {
@@ -65,8 +65,8 @@ impl DoorCorridorConfig {
         };
         self.doors_m.iter().try_for_each(|&door| inside("demonstration.doors_m", door))?;
         inside("demonstration.start_m", self.start_m)?;
-        if !(1..=MOST_DRIVES).contains(&self.drives_m.len()) {
-            let expected = format!("1 to {MOST_DRIVES} drives");
+        if !(1..=MAX_DRIVES).contains(&self.drives_m.len()) {
+            let expected = format!("1 to {MAX_DRIVES} drives");
             return Err(field(
                 "demonstration.drives_m",
                 &expected,

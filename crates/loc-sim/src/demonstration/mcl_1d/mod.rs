@@ -29,7 +29,7 @@ pub struct Mcl1dConfig {
     pub doors_m: Vec<f64>,
     /// Where the robot really starts.
     pub start_m: f64,
-    /// How far it drives between the two sightings.
+    /// How far it drives between the two observations.
     pub drive_m: f64,
     /// Standard deviation of the way driven.
     pub drive_sigma_m: f64,

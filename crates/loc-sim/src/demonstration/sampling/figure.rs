@@ -10,7 +10,7 @@ const BARS: usize = 48;
 const REACH: f64 = 4.0;
 
 /// Pairs that are drawn.
-const MOST_PAIRS: usize = 1500;
+const MAX_PAIRS: usize = 1500;
 
 pub(super) fn figures(sampling: &Sampling, title: &str) -> Vec<FigureFile> {
     let sigma = sampling.config.sigma;
@@ -23,7 +23,7 @@ pub(super) fn figures(sampling: &Sampling, title: &str) -> Vec<FigureFile> {
     for kind in &sampling.kinds {
         figure = figure.panel(histogram(kind, sigma));
     }
-    let pairs = sampling.pairs.iter().take(MOST_PAIRS).copied();
+    let pairs = sampling.pairs.iter().take(MAX_PAIRS).copied();
     let given = sampling.config.correlation;
     let chart = Chart::new("y").points(Role::Method(0).width(2.5), "", pairs);
     let pairs = Figure::new("Two random numbers that share a part")

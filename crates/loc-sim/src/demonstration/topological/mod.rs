@@ -10,7 +10,6 @@ mod views;
 
 use crate::Result;
 use crate::config::field;
-use crate::event::{Control, Measurement, Payload};
 use crate::output::Illustration;
 use crate::source::Source;
 use crate::source::tour::{SimulatedTour, TourConfig, TourWorld};
@@ -20,6 +19,7 @@ use loc_core::random::stream;
 use loc_filters::histogram::{PlaceViews, TopologicalFilter};
 use loc_maps::topological::{ExtractSettings, PlaceKind};
 use loc_maps::{OccupancyGrid, TopologicalMap};
+use loc_sensors::event::{Control, Measurement, Payload};
 use loc_sensors::laser::LaserScan;
 use nalgebra::Point2;
 use serde::Deserialize;

@@ -2,7 +2,6 @@
 
 use super::in_order;
 use crate::Result;
-use crate::event::{Event, Measurement, Payload};
 use crate::localizer::driven::DrivenVelocity;
 use crate::localizer::fusion::{localizer, take};
 use crate::localizer::{Estimate, MethodSettings};
@@ -11,6 +10,7 @@ use loc_core::Twist2;
 use loc_filters::NonlinearFilter;
 use loc_filters::fusion::state::STATES;
 use loc_filters::smoother::Recorded;
+use loc_sensors::event::{Event, Measurement, Payload};
 
 /// What the smoother is given.
 enum Input<'a> {

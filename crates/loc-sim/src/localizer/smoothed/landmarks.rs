@@ -2,19 +2,19 @@
 
 use super::in_order;
 use crate::Result;
-use crate::event::{Event, Measurement, Payload};
 use crate::localizer::Estimate;
 use crate::localizer::driven::DrivenVelocity;
 use crate::source::Setup;
 use loc_core::Twist2;
 use loc_filters::NonlinearFilter;
 use loc_filters::landmark::{LandmarkSettings, LandmarkSmoother};
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::event::{Event, Measurement, Payload};
+use loc_sensors::landmark_camera::LandmarkObservation;
 
 /// What the smoother is given.
 enum Input<'a> {
     Velocity(Twist2),
-    Sightings(&'a [Sighting]),
+    LandmarkObservations(&'a [LandmarkObservation]),
 }
 
 pub(super) fn smoothed<F: NonlinearFilter<3>>(
@@ -32,8 +32,8 @@ pub(super) fn smoothed<F: NonlinearFilter<3>>(
                 let velocity = driven.of(event.stamp, control);
                 inputs.extend(velocity.map(|(from, twist)| (from, Input::Velocity(twist))));
             }
-            Payload::Measurement(Measurement::Landmarks(sightings)) => {
-                inputs.push((event.stamp, Input::Sightings(sightings)));
+            Payload::Measurement(Measurement::Landmarks(observations)) => {
+                inputs.push((event.stamp, Input::LandmarkObservations(observations)));
             }
             _ => {}
         }
@@ -46,7 +46,9 @@ pub(super) fn smoothed<F: NonlinearFilter<3>>(
         let stamp = stamp.max(setup.start);
         match input {
             Some(Input::Velocity(twist)) => drive.velocity(stamp, twist)?,
-            Some(Input::Sightings(sightings)) => drop(drive.sightings(stamp, sightings)?),
+            Some(Input::LandmarkObservations(observations)) => {
+                drop(drive.observations(stamp, observations)?)
+            }
             None => drive.mark(stamp)?,
         }
     }

@@ -2,7 +2,6 @@
 
 use super::in_order;
 use crate::Result;
-use crate::event::{Control, Event, Measurement, Payload};
 use crate::localizer::line_ekf::filter;
 use crate::localizer::{Estimate, MethodSettings};
 use crate::source::Setup;
@@ -10,6 +9,7 @@ use loc_core::Pose2;
 use loc_filters::NonlinearFilter;
 use loc_filters::line_matching::STATES;
 use loc_filters::smoother::Recorded;
+use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sensors::laser::LaserScan;
 
 /// What the smoother is given.

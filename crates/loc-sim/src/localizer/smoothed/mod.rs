@@ -10,10 +10,10 @@ mod lines;
 mod rail;
 
 use super::{Estimate, Method, MethodSettings};
-use crate::event::{Event, Payload};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::{ExtendedKalmanFilter as Extended, UnscentedKalmanFilter as Unscented};
+use loc_sensors::event::{Event, Payload};
 
 /// The smoothed estimates of a method at `stamps` \[s\], which are in order of time.
 ///

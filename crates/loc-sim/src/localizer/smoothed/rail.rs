@@ -1,13 +1,13 @@
 //! `kf`, smoothed.
 
 use super::in_order;
-use crate::event::{Control, Event, Measurement, Payload};
 use crate::localizer::rail::{estimate, motion, sensor};
 use crate::localizer::{Estimate, RailSettings};
 use crate::source::Setup;
 use crate::{Error, Result};
 use loc_filters::smoother::Recorded;
 use loc_filters::{Gate, KalmanFilter};
+use loc_sensors::event::{Control, Event, Measurement, Payload};
 use nalgebra::Vector1;
 
 /// What the smoother is given.

@@ -29,7 +29,7 @@ impl RunEvidence {
         let pairs = record.estimates.iter().zip(&run.truth).step_by(every);
         let nees = pairs.map(|(e, t)| run.nees(e, t.value.pose)).collect();
         let mut nis = ChiSquareTally::new(confidence)?;
-        let mut sequences: [Vec<f64>; Whitened::MOST] = Default::default();
+        let mut sequences: [Vec<f64>; Whitened::MAX] = Default::default();
         for judgement in record.judgements.iter().map(|j| j.value).filter(|j| j.accepted) {
             if let Some(value) = judgement.nis {
                 nis.push(judgement.degrees_of_freedom, value)?;

@@ -43,7 +43,7 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
     for (k, record) in run.methods.iter().enumerate() {
         scene = drawn_map(scene, k, record);
     }
-    // Beside the landmarks of a drawn map the single sightings would be too much.
+    // Beside the landmarks of a drawn map the single observations would be too much.
     let draws = run.methods.iter().any(|record| record.map.is_some());
     if let Some(seen) = run.methods.iter().rev().filter(|_| !draws).find_map(measured) {
         scene = scene.stars(Role::Measurement, "landmark as measured", seen);

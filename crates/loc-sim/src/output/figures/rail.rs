@@ -2,11 +2,11 @@
 //! accuracy of position and speed with and without corrections.
 
 use super::FigureFile;
-use crate::event::Measurement;
 use crate::localizer::{Estimate, Method};
 use crate::output::svg::{Chart, Figure, Role};
 use crate::record::{MethodRecord, Run};
 use loc_core::{Gaussian, Normal};
+use loc_sensors::event::Measurement;
 
 pub(super) fn all(run: &Run, title: &str) -> Vec<FigureFile> {
     vec![drive(run, title), density(run), accuracy(run)]

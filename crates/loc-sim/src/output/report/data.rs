@@ -1,12 +1,12 @@
 //! What the player of a report is given: the run as numbers, quantised for the screen.
 
 use super::blob::Blob;
-use crate::event::Truth;
 use crate::localizer::Estimate;
 use crate::output::backdrop;
 use crate::record::{Film, Frame, Inside, MethodRecord, Run};
 use loc_core::{Pose2, Stamped};
 use loc_maps::Bounds;
+use loc_sensors::event::Truth;
 use nalgebra::Point2;
 use serde::Serialize;
 use std::f64::consts::TAU;

@@ -41,7 +41,7 @@ impl Default for LaserParameters {
 
 /// `FLASER n r1 .. rn x y theta odom_x odom_y odom_theta ipc_time host logger_time`
 pub(super) fn front_laser(words: &mut Words<'_>, given: &LaserParameters) -> Result<CarmenLaser> {
-    let count = words.count("number of ranges", LaserScan::MOST_BEAMS)?;
+    let count = words.count("number of ranges", LaserScan::MAX_BEAMS)?;
     let ranges = words.numbers("range", count)?;
     let laser = words.pose("laser pose")?;
     let robot = words.pose("robot pose")?;
@@ -67,9 +67,9 @@ pub(super) fn robot_laser(words: &mut Words<'_>) -> Result<CarmenLaser> {
     let resolution = words.number("angular resolution")?;
     let max_range = words.number("maximum range")?;
     words.skip("accuracy and remission mode", 2)?;
-    let count = words.count("number of ranges", LaserScan::MOST_BEAMS)?;
+    let count = words.count("number of ranges", LaserScan::MAX_BEAMS)?;
     let ranges = words.numbers("range", count)?;
-    let remissions = words.count("number of remissions", LaserScan::MOST_BEAMS)?;
+    let remissions = words.count("number of remissions", LaserScan::MAX_BEAMS)?;
     words.skip("remission", remissions)?;
     let laser = words.pose("laser pose")?;
     let robot = words.pose("robot pose")?;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 const ROUNDING: f64 = 1e-3;
 
 /// How much a robot must turn to tell the place of its laser from a correction \[rad\].
-const LEAST_TURN: f64 = 0.1;
+const MIN_TURN: f64 = 0.1;
 
 impl CarmenLog {
     /// The whole log, to be replayed.
@@ -70,6 +70,6 @@ fn mounting<'a>(lasers: impl Iterator<Item = &'a CarmenLaser> + Clone) -> Option
         return None;
     }
     let turned = lasers.map(|laser| angle::difference(laser.robot.theta, first.robot.theta).abs());
-    let on_the_robot = at_first == Pose2::IDENTITY || turned.fold(0.0, f64::max) > LEAST_TURN;
+    let on_the_robot = at_first == Pose2::IDENTITY || turned.fold(0.0, f64::max) > MIN_TURN;
     on_the_robot.then_some(at_first)
 }

@@ -3,13 +3,13 @@
 use super::body::{AckermannConfig, Body, LegConfig, MecanumConfig, WheelConfig};
 use crate::Result;
 use crate::config::field;
-use crate::source::SightNoiseConfig;
+use crate::source::ObservationNoiseConfig;
 use crate::source::tour::WorldConfig;
 use loc_core::error::{finite, non_negative, positive};
 use loc_core::{Pose2, Twist2};
 use loc_filters::landmark::LandmarkSettings;
 use loc_maps::{Landmark, LandmarkMap, OccupancyGrid, worlds};
-use loc_sensors::landmark_camera::{LandmarkCamera, SightKind};
+use loc_sensors::landmark_camera::{LandmarkCamera, ObservedKind};
 use serde::Deserialize;
 
 /// A robot that drives a course among landmarks.
@@ -106,7 +106,7 @@ pub struct CameraConfig {
     pub max_range_m: f64,
     /// `range-bearing`, `range` or `bearing`.
     #[serde(default)]
-    pub kind: SightKind,
+    pub kind: ObservedKind,
     /// Probability that a landmark in view is detected.
     #[serde(default = "one")]
     pub detection_probability: f64,
@@ -114,7 +114,7 @@ pub struct CameraConfig {
     #[serde(default)]
     pub wrong_identity_probability: f64,
     /// Random errors.
-    pub noise: SightNoiseConfig,
+    pub noise: ObservationNoiseConfig,
 }
 
 /// A landmark of the world.
@@ -241,7 +241,7 @@ impl DriveConfig {
             LandmarkSettings { motion_noise: self.body()?.noise()?, ..Default::default() };
         if let Some(camera) = &self.camera {
             let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
-            settings = LandmarkSettings { mounting, sight_noise: noise, ..settings };
+            settings = LandmarkSettings { mounting, observation_noise: noise, ..settings };
         }
         Ok(settings)
     }

@@ -9,13 +9,13 @@ pub use config::{CameraConfig, DriveConfig, LandmarkConfig, Segment, StartConfig
 use super::reorder::Reorder;
 use super::{Setup, Source};
 use crate::Result;
-use crate::event::{Control, Event, Measurement, Payload, Truth};
 use body::BodyOdometry;
 use loc_core::gaussian::pose_belief;
 use loc_core::motion::Integration;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
 use loc_maps::LandmarkMap;
+use loc_sensors::event::{Control, Event, Measurement, Payload, Truth};
 use loc_sensors::landmark_camera::LandmarkCamera;
 use std::sync::Arc;
 
@@ -116,9 +116,9 @@ impl SimulatedDrive {
         if !self.step.is_multiple_of(camera.every) {
             return;
         }
-        let sightings = camera.camera.observe(landmarks, self.pose, &mut camera.rng);
-        if !sightings.is_empty() {
-            let payload = Payload::Measurement(Measurement::Landmarks(sightings));
+        let observations = camera.camera.observe(landmarks, self.pose, &mut camera.rng);
+        if !observations.is_empty() {
+            let payload = Payload::Measurement(Measurement::Landmarks(observations));
             self.waiting.push(Event { stamp, arrival: stamp + camera.latency, payload });
         }
     }

@@ -2,18 +2,18 @@
 //! numbered landmarks.
 //!
 //! `sensor_data.dat` holds lines `ODOMETRY rot1 trans rot2` (a turn, a way, a turn) and
-//! `SENSOR id range bearing`; the sightings below a motion were made after it. `world.dat` holds
+//! `SENSOR id range bearing`; the observations below a motion were made after it. `world.dat` holds
 //! `id x y` for each landmark. The robot starts at the origin. Neither times nor true poses were
 //! recorded: a step is taken for a second.
 
 use super::super::ranging::columns::{not_empty, whole};
-use super::{LandmarkRecording, Parts, folder_name, odometry, sightings};
+use super::{LandmarkRecording, Parts, folder_name, observations, odometry};
 use crate::Result;
 use loc_core::Pose2;
 use loc_core::motion::OdometryMotion;
 use loc_core::table::{Row, Table};
 use loc_maps::{Landmark, LandmarkMap};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use std::path::Path;
 
 const LOG: &str = "sensor_data.dat";
@@ -41,7 +41,7 @@ impl LandmarkRecording {
             match row.text("kind")? {
                 "ODOMETRY" => {
                     if !seen.is_empty() {
-                        events.push(sightings(f64::from(step), std::mem::take(&mut seen)));
+                        events.push(observations(f64::from(step), std::mem::take(&mut seen)));
                     }
                     pose = motion(&row)?.apply(pose);
                     step += 1;
@@ -51,15 +51,15 @@ impl LandmarkRecording {
                     let range = row.number("trans or range")?;
                     below_zero += usize::from(range < 0.0);
                     let bearing = row.number("rot2 or bearing")?;
-                    let sight = Sight::RangeBearing { range: range.max(0.0), bearing };
-                    seen.push(Sighting { landmark: whole(&row, "rot1 or id")?, sight });
+                    let sight = Observed::RangeBearing { range: range.max(0.0), bearing };
+                    seen.push(LandmarkObservation { landmark: whole(&row, "rot1 or id")?, sight });
                 }
                 other => return Err(row.error("kind", "ODOMETRY or SENSOR", other).into()),
             }
         }
         not_empty(step == 0, &file, "motions (ODOMETRY)")?;
         if !seen.is_empty() {
-            events.push(sightings(f64::from(step), seen));
+            events.push(observations(f64::from(step), seen));
         }
         let mut notes = vec!["no times were recorded: a step is taken for a second".to_owned()];
         if below_zero > 0 {

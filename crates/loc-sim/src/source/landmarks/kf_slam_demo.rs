@@ -6,18 +6,18 @@
 //! (x, y, z, yaw, pitch, roll) for each step. Steps have no times: each is taken for a second.
 
 use super::super::ranging::columns::{distance, not_empty, whole};
-use super::{LandmarkRecording, Parts, odometry, sightings};
-use crate::event::{Event, Payload, Truth};
+use super::{LandmarkRecording, Parts, observations, odometry};
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_core::table::Table;
 use loc_maps::{Landmark, LandmarkMap};
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::event::{Event, Payload, Truth};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// How the name of the file with the sightings ends.
-const SIGHTINGS: &str = "_bearing_range.csv";
+/// How the name of the file with the observations ends.
+const OBSERVATIONS: &str = "_bearing_range.csv";
 
 /// The column with the number of the landmark.
 const NUMBER: &str = "landmark_id(-1=unknown)";
@@ -25,9 +25,9 @@ const NUMBER: &str = "landmark_id(-1=unknown)";
 /// What stands for a landmark without a number.
 const UNKNOWN: &str = "-1";
 
-/// The file with the sightings: the given one, or the one in the given folder.
-fn sightings_file(path: &Path) -> Option<PathBuf> {
-    let fits = |file: &PathBuf| file.to_string_lossy().ends_with(SIGHTINGS);
+/// The file with the observations: the given one, or the one in the given folder.
+fn observations_file(path: &Path) -> Option<PathBuf> {
+    let fits = |file: &PathBuf| file.to_string_lossy().ends_with(OBSERVATIONS);
     if path.is_dir() {
         let names = std::fs::read_dir(path).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
         return names.filter(fits).min();
@@ -37,11 +37,11 @@ fn sightings_file(path: &Path) -> Option<PathBuf> {
 
 /// Whether a folder, or a file, looks like this recording.
 pub fn is_kf_slam_demo(path: &Path) -> bool {
-    sightings_file(path).is_some()
+    observations_file(path).is_some()
 }
 
 impl LandmarkRecording {
-    /// Opens the recording from its folder or from its file of sightings. Without a file of true
+    /// Opens the recording from its folder or from its file of observations. Without a file of true
     /// landmarks, or of the true path, nothing is known of these. `sigmas` tell how well the start
     /// is known, over (x, y, heading) \[m, m, rad\].
     ///
@@ -49,25 +49,25 @@ impl LandmarkRecording {
     /// [`loc_core::Error`] with file, line and column; [`Error::Recording`] for another folder.
     pub fn kf_slam_demo(path: impl AsRef<Path>, sigmas: [f64; 3]) -> Result<Self> {
         let path = path.as_ref();
-        let seen = sightings_file(path).ok_or_else(|| Error::Recording {
+        let seen = observations_file(path).ok_or_else(|| Error::Recording {
             path: path.to_owned(),
-            expected: format!("a file *{SIGHTINGS}"),
+            expected: format!("a file *{OBSERVATIONS}"),
             found: "none".into(),
         })?;
         let text = seen.to_string_lossy();
-        let stem = text.strip_suffix(SIGHTINGS).unwrap_or(&text).to_owned();
+        let stem = text.strip_suffix(OBSERVATIONS).unwrap_or(&text).to_owned();
         let part = |ending: &str| PathBuf::from(format!("{stem}{ending}"));
         let truth = read_path(&part("_ground_truth_robot_path.txt"))?;
         let mut events = read_odometry(&part("_odometry.csv"))?;
-        let (groups, unknown) = read_sightings(&seen)?;
-        events.extend(groups.into_iter().map(|(step, seen)| sightings(f64::from(step), seen)));
+        let (groups, unknown) = read_observations(&seen)?;
+        events.extend(groups.into_iter().map(|(step, seen)| observations(f64::from(step), seen)));
         let start = truth.first().copied().unwrap_or(Pose2::IDENTITY);
         events.extend(truth.into_iter().zip(0_u32..).map(|(pose, step)| {
             Event::now(f64::from(step), Payload::Truth(Truth { pose, speed: None }))
         }));
         let mut notes = vec!["no times were recorded: a step is taken for a second".to_owned()];
         if unknown > 0 {
-            notes.push(format!("{unknown} sightings of unknown landmarks passed over"));
+            notes.push(format!("{unknown} observations of unknown landmarks passed over"));
         }
         let name = Path::new(&stem).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let parts = Parts {
@@ -106,23 +106,27 @@ fn read_odometry(file: &Path) -> Result<Vec<Event>> {
     Ok(events)
 }
 
-/// The sightings of each step, and how many have no number.
-fn read_sightings(file: &Path) -> Result<(BTreeMap<u32, Vec<Sighting>>, usize)> {
+/// The observations of each step, and how many have no number.
+fn read_observations(file: &Path) -> Result<(BTreeMap<u32, Vec<LandmarkObservation>>, usize)> {
     let columns = ["step", "time", NUMBER, "range", "yaw", "pitch", "std_range", "std_yaw"];
     let table = Table::read(file, &columns)?;
-    let (mut groups, mut unknown): (BTreeMap<u32, Vec<Sighting>>, usize) = Default::default();
+    let (mut groups, mut unknown): (BTreeMap<u32, Vec<LandmarkObservation>>, usize) =
+        Default::default();
     for row in table.rows() {
         let row = row?;
         let sight =
-            Sight::RangeBearing { range: distance(&row, "range")?, bearing: row.number("yaw")? };
+            Observed::RangeBearing { range: distance(&row, "range")?, bearing: row.number("yaw")? };
         if row.text(NUMBER)? == UNKNOWN {
             unknown += 1;
             continue;
         }
         let landmark = whole(&row, NUMBER)?;
-        groups.entry(whole(&row, "step")?).or_default().push(Sighting { landmark, sight });
+        groups
+            .entry(whole(&row, "step")?)
+            .or_default()
+            .push(LandmarkObservation { landmark, sight });
     }
-    not_empty(groups.is_empty(), file, "sightings")?;
+    not_empty(groups.is_empty(), file, "observations")?;
     Ok((groups, unknown))
 }
 

@@ -10,12 +10,12 @@ pub mod victoria_park;
 pub use victoria_park::Trees;
 
 use super::{Setup, Source};
-use crate::event::{Control, Event, Measurement, Payload};
 use crate::{Error, Result};
 use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2};
 use loc_maps::LandmarkMap;
-use loc_sensors::landmark_camera::Sighting;
+use loc_sensors::event::{Control, Event, Measurement, Payload};
+use loc_sensors::landmark_camera::LandmarkObservation;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ impl LandmarkRecording {
         let (Some(start), Some(end)) = (first, last) else {
             return Err(Error::Recording {
                 path: path.to_owned(),
-                expected: "odometry and sightings".into(),
+                expected: "odometry and observations".into(),
                 found: "none".into(),
             });
         };
@@ -112,7 +112,7 @@ fn odometry(stamp: f64, pose: Pose2) -> Event {
     Event::now(stamp, Payload::Control(Control::Odometry(pose)))
 }
 
-fn sightings(stamp: f64, seen: Vec<Sighting>) -> Event {
+fn observations(stamp: f64, seen: Vec<LandmarkObservation>) -> Event {
     Event::now(stamp, Payload::Measurement(Measurement::Landmarks(seen)))
 }
 

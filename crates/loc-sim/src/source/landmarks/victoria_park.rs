@@ -2,7 +2,7 @@
 //!
 //! Four kilometres in 26 minutes, with a laser that sees trunks, and now and then the GPS. Two
 //! readings of the trees exist. `gtsam_odometry.csv` (a motion from each of 6969 poses to the next)
-//! with `gtsam_landmark_obs.csv` holds 3640 sightings of 151 trees that somebody has given numbers.
+//! with `gtsam_landmark_obs.csv` holds 3640 observations of 151 trees that somebody has given numbers.
 //! `tree_detections.csv` holds everything that looked like a trunk in any of 7248 scans, without
 //! numbers, and much of it is none; its motion is `dead_reckoning.csv`, speed of the left rear
 //! wheel and angle of the steering at 40 Hz. `gps.csv` knows positions, with outages and jumps.
@@ -12,8 +12,7 @@
 //! beginning, in the middle and at the end).
 
 use super::super::ranging::columns::{distance, not_empty, stamp_after, whole};
-use super::{LandmarkRecording, Parts, folder_name, odometry, sightings};
-use crate::event::{Event, Payload, Truth};
+use super::{LandmarkRecording, Parts, folder_name, observations, odometry};
 use crate::metrics::{Alignment, Pair, transform};
 use crate::{Error, Result};
 use loc_core::kinematics::Ackermann;
@@ -21,7 +20,8 @@ use loc_core::motion::Integration;
 use loc_core::table::Table;
 use loc_core::{Pose2, Stamped, Twist2};
 use loc_maps::LandmarkMap;
-use loc_sensors::landmark_camera::{Sight, Sighting};
+use loc_sensors::event::{Event, Payload, Truth};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
@@ -37,7 +37,7 @@ const SCANS: (f64, f64) = (21.6, 0.2137);
 /// The least time between two poses, some of which have the same \[s\].
 const TICK: f64 = 1e-3;
 /// More scans than any recording has: 60 hours of them.
-const MOST_SCANS: u32 = 1_000_000;
+const MAX_SCANS: u32 = 1_000_000;
 /// Of the first so many metres, GPS tells where the car starts \[m\].
 const FIRST_WAY: f64 = 100.0;
 
@@ -105,7 +105,7 @@ impl LandmarkRecording {
 
 type Motions = (Vec<Stamped<Pose2>>, Vec<Event>);
 
-/// The poses of the odometry and the sightings from them, with numbers.
+/// The poses of the odometry and the observations from them, with numbers.
 fn read_numbered(folder: &Path) -> Result<Motions> {
     let file = folder.join("gtsam_odometry.csv");
     let table =
@@ -126,7 +126,7 @@ fn read_numbered(folder: &Path) -> Result<Motions> {
         &file,
         &["pose", "landmark", "x_in_vehicle_m", "y_in_vehicle_m", "range_m", "bearing_rad"],
     )?;
-    let mut groups: BTreeMap<u32, Vec<Sighting>> = BTreeMap::new();
+    let mut groups: BTreeMap<u32, Vec<LandmarkObservation>> = BTreeMap::new();
     for row in table.rows() {
         let row = row?;
         let (pose, landmark) = (whole(&row, "pose")?, whole(&row, "landmark")?);
@@ -135,11 +135,11 @@ fn read_numbered(folder: &Path) -> Result<Motions> {
             let expected = "a pose that the odometry leads to";
             return Err(row.error("pose", expected, row.text("pose")?).into());
         }
-        let sight = Sight::RangeBearing { range, bearing };
-        groups.entry(pose).or_default().push(Sighting { landmark, sight });
+        let sight = Observed::RangeBearing { range, bearing };
+        groups.entry(pose).or_default().push(LandmarkObservation { landmark, sight });
     }
-    not_empty(groups.is_empty(), &file, "sightings")?;
-    let at = |(pose, seen)| stamps.get(&pose).map(|stamp| sightings(*stamp, seen));
+    not_empty(groups.is_empty(), &file, "observations")?;
+    let at = |(pose, seen)| stamps.get(&pose).map(|stamp| observations(*stamp, seen));
     Ok((poses, groups.into_iter().filter_map(at).collect()))
 }
 
@@ -147,27 +147,27 @@ fn read_numbered(folder: &Path) -> Result<Motions> {
 fn read_detected(folder: &Path) -> Result<Motions> {
     let file = folder.join("tree_detections.csv");
     let table = Table::read(&file, &["scan_index", "range_m", "bearing_rad", "diameter_m"])?;
-    let mut groups: BTreeMap<u32, Vec<Sighting>> = BTreeMap::new();
+    let mut groups: BTreeMap<u32, Vec<LandmarkObservation>> = BTreeMap::new();
     for row in table.rows() {
         let row = row?;
         // Directions are counted from the right of the car.
-        let sight = Sight::RangeBearing {
+        let sight = Observed::RangeBearing {
             range: distance(&row, "range_m")?,
             bearing: row.number("bearing_rad")? - FRAC_PI_2,
         };
         let scan = whole(&row, "scan_index")?;
-        if scan >= MOST_SCANS {
-            let expected = format!("the number of a scan below {MOST_SCANS}");
+        if scan >= MAX_SCANS {
+            let expected = format!("the number of a scan below {MAX_SCANS}");
             return Err(row.error("scan_index", &expected, row.text("scan_index")?).into());
         }
-        groups.entry(scan).or_default().push(Sighting { landmark: 0, sight });
+        groups.entry(scan).or_default().push(LandmarkObservation { landmark: 0, sight });
     }
     not_empty(groups.is_empty(), &file, "detections")?;
     let stamp = |scan: u32| SCANS.0 + f64::from(scan) * SCANS.1;
     let scans = groups.keys().last().map_or(0, |last| last + 1);
     let stamps: Vec<f64> = (0..scans).map(stamp).collect();
     let poses = dead_reckoned(&folder.join("dead_reckoning.csv"), &stamps)?;
-    let events = groups.into_iter().map(|(scan, seen)| sightings(stamp(scan), seen));
+    let events = groups.into_iter().map(|(scan, seen)| observations(stamp(scan), seen));
     Ok((poses, events.collect()))
 }
 

@@ -40,10 +40,10 @@ pub(super) use start::start_pose;
 pub(super) use words::Words;
 
 use super::{Setup, Source};
-use crate::event::{Control, Event, Measurement, Payload, Truth};
 use crate::{Error, Result};
 use loc_core::{Gaussian, Pose2};
 use loc_maps::{LineMap, OccupancyGrid};
+use loc_sensors::event::{Control, Event, Measurement, Payload, Truth};
 use loc_sensors::laser::LaserScan;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

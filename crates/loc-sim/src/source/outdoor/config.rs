@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::config::field;
-use crate::source::SightNoiseConfig;
+use crate::source::ObservationNoiseConfig;
 use crate::source::drive::{LandmarkConfig, StartConfig, WheelConfig};
 use loc_core::Twist2;
 use loc_core::error::{finite, non_negative, positive};
@@ -13,7 +13,7 @@ use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::compass::{Compass, CompassNoise};
 use loc_sensors::gnss::GnssNoise;
 use loc_sensors::imu::{ImuSpec, InertialNoise};
-use loc_sensors::landmark_camera::{LandmarkCamera, SightKind};
+use loc_sensors::landmark_camera::{LandmarkCamera, ObservedKind};
 use serde::Deserialize;
 
 /// A robot that drives outdoors, with any of five sensors, each at its own pace.
@@ -238,7 +238,7 @@ impl OutdoorConfig {
             };
         }
         if let Some(radio) = &self.radio {
-            settings.sight_noise = radio.antenna()?.noise;
+            settings.observation_noise = radio.antenna()?.noise;
         }
         Ok(settings)
     }
@@ -301,7 +301,7 @@ impl SatelliteConfig {
 impl RadioConfig {
     /// Sees distances all around.
     pub(super) fn antenna(&self) -> Result<LandmarkCamera> {
-        let noise = SightNoiseConfig {
+        let noise = ObservationNoiseConfig {
             range_sigma_m: self.sigma_m,
             range_sigma_per_m: 0.0,
             bearing_sigma_deg: 1.0,
@@ -311,7 +311,7 @@ impl RadioConfig {
             fov: std::f64::consts::TAU,
             min_range: 0.0,
             max_range: self.max_range_m,
-            kind: SightKind::Range,
+            kind: ObservedKind::Range,
             detection_probability: 1.0,
             wrong_identity_probability: 0.0,
             noise: noise.noise()?,

@@ -11,11 +11,11 @@ pub use config::{
 use super::reorder::Reorder;
 use super::{SensorTruth, Setup, Silence, Source};
 use crate::Result;
-use crate::event::{Event, Payload, Truth};
 use loc_core::gaussian::pose_belief;
 use loc_core::motion::Integration;
 use loc_core::random::stream;
 use loc_core::{Pose2, Twist2};
+use loc_sensors::event::{Event, Payload, Truth};
 use sensors::{Moment, Sensors};
 use std::sync::Arc;
 

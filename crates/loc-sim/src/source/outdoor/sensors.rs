@@ -2,15 +2,15 @@
 
 use super::config::{OutdoorConfig, RadioConfig, TimedWheelConfig};
 use crate::Result;
-use crate::event::{Control, Event, Measurement, Payload};
 use crate::source::TrueError;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::compass::Compass;
+use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sensors::gnss::{Geodetic, Gnss, LocalFrame};
 use loc_sensors::imu::Imu;
-use loc_sensors::landmark_camera::{LandmarkCamera, Sight};
+use loc_sensors::landmark_camera::{LandmarkCamera, Observed};
 use loc_sensors::wheel::WheelOdometry;
 
 /// Time between two notes of the true errors \[s\].
@@ -192,15 +192,15 @@ impl Sensors {
         }
         if let Some(radio) = self.radio.as_mut().filter(|radio| radio.is_due(now)) {
             let Radio { antenna, scale, offset } = &radio.sensor;
-            let mut sightings = antenna.observe(landmarks, now.pose, &mut radio.rng);
-            for sighting in &mut sightings {
-                if let Sight::Range { range } = &mut sighting.sight {
+            let mut observations = antenna.observe(landmarks, now.pose, &mut radio.rng);
+            for observation in &mut observations {
+                if let Observed::Range { range } = &mut observation.sight {
                     *range = (*scale * *range + *offset).max(0.0);
                 }
             }
-            if !sightings.is_empty() && radio.is_heard(stamp) {
+            if !observations.is_empty() && radio.is_heard(stamp) {
                 self.heard.push(stamp);
-                tell(measured(Measurement::Landmarks(sightings)));
+                tell(measured(Measurement::Landmarks(observations)));
             }
         }
         if now.step.is_multiple_of(self.note_every) {

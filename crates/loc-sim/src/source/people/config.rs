@@ -42,14 +42,14 @@ impl Default for PeopleConfig {
 
 impl PeopleConfig {
     /// More walkers than this no building holds.
-    const MOST: usize = 10_000;
+    const MAX: usize = 10_000;
 
     /// Checks every value.
     ///
     /// # Errors
     /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
     pub fn check(&self) -> Result<()> {
-        if self.count > Self::MOST {
+        if self.count > Self::MAX {
             return Err(field("tour.people.count", "at most 10000", &self.count.to_string()));
         }
         positive("tour.people.radius_m", self.radius_m)?;

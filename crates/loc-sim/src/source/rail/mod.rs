@@ -6,9 +6,9 @@ pub use config::{RailConfig, RailSensorConfig};
 
 use super::{Setup, Source};
 use crate::Result;
-use crate::event::{Control, Event, Measurement, Payload, Truth};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Pose2};
+use loc_sensors::event::{Control, Event, Measurement, Payload, Truth};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::VecDeque;

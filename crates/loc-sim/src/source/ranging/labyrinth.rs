@@ -9,13 +9,13 @@
 
 use super::columns::{distance, not_empty, stamp_after, whole};
 use super::{Parts, RangeRecording, RangingStart, range_event};
-use crate::event::{Control, Event, Payload, Truth};
 use crate::{Error, Result};
 use loc_core::kinematics::Differential;
 use loc_core::motion::Integration;
 use loc_core::table::Table;
 use loc_core::{Pose2, Stamped, Twist2, angle};
 use loc_maps::{Landmark, LandmarkMap};
+use loc_sensors::event::{Control, Event, Payload, Truth};
 use nalgebra::Point2;
 use std::path::{Path, PathBuf};
 

@@ -5,12 +5,12 @@ pub mod labyrinth;
 pub mod plaza;
 
 use super::{Setup, Source};
-use crate::event::{Event, Measurement, Payload};
 use crate::{Error, Result};
 use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2};
 use loc_maps::LandmarkMap;
-use loc_sensors::landmark_camera::{LandmarkNoise, Sight, Sighting};
+use loc_sensors::event::{Event, Measurement, Payload};
+use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -106,6 +106,6 @@ impl Source for RangeRecording {
 
 /// One range to a beacon.
 fn range_event(stamp: f64, beacon: u32, range: f64) -> Event {
-    let sighting = Sighting { landmark: beacon, sight: Sight::Range { range } };
-    Event::now(stamp, Payload::Measurement(Measurement::Landmarks(vec![sighting])))
+    let observation = LandmarkObservation { landmark: beacon, sight: Observed::Range { range } };
+    Event::now(stamp, Payload::Measurement(Measurement::Landmarks(vec![observation])))
 }

@@ -8,11 +8,11 @@
 
 use super::columns::{distance, not_empty, stamp_after, whole};
 use super::{Parts, RangeRecording, RangingStart, range_event};
-use crate::event::{Control, Event, Payload, Truth};
 use crate::{Error, Result};
 use loc_core::table::Table;
 use loc_core::{Pose2, Twist2};
 use loc_maps::{Landmark, LandmarkMap};
+use loc_sensors::event::{Control, Event, Payload, Truth};
 use std::path::Path;
 
 /// What the radios' ranges scatter by once their bias is out \[m\].

@@ -1,6 +1,6 @@
 //! Chunks and messages that were packed: bz2 and lz4 in ROS 1, lz4 and zstd in ROS 2.
 
-use super::input::MOST_BYTES;
+use super::input::MAX_BYTES;
 use std::io::Read;
 
 /// How a chunk is packed.
@@ -38,7 +38,7 @@ impl Compression {
     /// Unpacks bytes that announce `size` bytes of content; no more than that is held.
     pub(super) fn unpack(self, packed: &[u8], size: u64, into: &mut Vec<u8>) -> Unpacked {
         into.clear();
-        if size > MOST_BYTES {
+        if size > MAX_BYTES {
             return Unpacked::TooMuch;
         }
         match self {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// The longest piece that is read into memory at once \[bytes\]; recorders write chunks of some
 /// megabytes.
-pub(super) const MOST_BYTES: u64 = 1 << 30;
+pub(super) const MAX_BYTES: u64 = 1 << 30;
 
 /// What a bag can be read from.
 pub(super) trait ReadSeek: Read + Seek {}
@@ -59,11 +59,11 @@ impl Input {
     /// Reads `count` bytes, or what is left where that is less; the answer says how many.
     ///
     /// # Errors
-    /// Where `count` is more than [`MOST_BYTES`], and what the operating system says.
+    /// Where `count` is more than [`MAX_BYTES`], and what the operating system says.
     pub(super) fn read(&mut self, what: &str, count: u64, into: &mut Vec<u8>) -> Result<usize> {
-        if count > MOST_BYTES {
+        if count > MAX_BYTES {
             let found = format!("a length of {count} bytes");
-            return Err(self.error(format!("{what} of at most {MOST_BYTES} bytes"), found));
+            return Err(self.error(format!("{what} of at most {MAX_BYTES} bytes"), found));
         }
         let count = usize::try_from(count.min(self.left())).unwrap_or(usize::MAX);
         into.resize(count, 0);

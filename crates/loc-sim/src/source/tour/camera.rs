@@ -2,10 +2,10 @@
 
 use super::{TourConfig, TourWorld};
 use crate::Result;
-use crate::event::Measurement;
 use loc_core::Pose2;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_maps::LandmarkMap;
+use loc_sensors::event::Measurement;
 use loc_sensors::landmark_camera::LandmarkCamera;
 use loc_sensors::world::{LandmarkWorld, RangeWorld};
 use nalgebra::Point2;
@@ -42,8 +42,8 @@ impl TourCamera {
         if !step.is_multiple_of(self.every) {
             return None;
         }
-        let sightings = self.camera.observe(&InSight(world), pose, &mut self.rng);
-        (!sightings.is_empty()).then_some(Measurement::Landmarks(sightings))
+        let observations = self.camera.observe(&InSight(world), pose, &mut self.rng);
+        (!observations.is_empty()).then_some(Measurement::Landmarks(observations))
     }
 }
 

@@ -207,7 +207,7 @@ impl TourConfig {
             ));
         }
         let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
-        Ok(LandmarkSettings { mounting, sight_noise: noise, ..settings })
+        Ok(LandmarkSettings { mounting, observation_noise: noise, ..settings })
     }
 
     /// Random errors of the wheels.

@@ -4,7 +4,7 @@ use crate::study::{CONFIDENCE, Group, Results, Spread, Study};
 use loc_core::stats::{RunningMoments, mean_interval, wilson_interval};
 
 /// More lines than this in a chart nobody can tell apart; the other settings are then pooled.
-const MOST_LINES: usize = 6;
+const MAX_LINES: usize = 6;
 
 /// One line: its label and the groups at each value of the setting.
 pub(super) struct GroupLine<'a> {
@@ -20,7 +20,7 @@ pub(super) fn lines<'a>(
 ) -> (Vec<GroupLine<'a>>, bool) {
     let (axes, methods) = (study.grid().axes(), study.records().len());
     let others: usize = study.grid().cells() / axes[k].values().len();
-    let pooled = others > 1 && others * methods > MOST_LINES;
+    let pooled = others > 1 && others * methods > MAX_LINES;
     let xs = positions(study, k);
     let mut lines: Vec<GroupLine<'a>> = Vec::new();
     for (index, group) in results.groups.iter().enumerate() {

@@ -55,7 +55,7 @@ fn disturb(twist: Twist2, noise: &VelocityNoise, rng: &mut ChaCha8Rng) -> Twist2
     Twist2::from_vector(&wanted.sample(rng))
 }
 
-/// A Kalman correction by the position that a landmark's sighting amounts to.
+/// A Kalman correction by the position that a landmark's observation amounts to.
 fn fix(
     belief: &Gaussian<3>,
     pose: Pose2,

@@ -1,7 +1,7 @@
 //! Robots that are carried away.
 
 use super::*;
-use loc_sim::event::{Control, Payload};
+use loc_sensors::event::{Control, Payload};
 use loc_sim::source::Source;
 
 fn kidnapped(after: f64) -> ReplayOptions {

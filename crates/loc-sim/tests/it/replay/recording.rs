@@ -1,7 +1,7 @@
 //! From a log to events.
 
 use super::*;
-use loc_sim::event::{Control, Event, Measurement, Payload};
+use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sim::source::Source;
 use loc_sim::source::laser_log::{Reference, Scans, Start};
 use std::path::Path;
@@ -17,7 +17,6 @@ fn letters(events: &[Event]) -> String {
         Payload::Control(_) => 'o',
         Payload::Measurement(_) => 's',
         Payload::Truth(_) => 't',
-        _ => '?',
     };
     events.iter().map(letter).collect()
 }

@@ -3,7 +3,7 @@
 use super::database::database;
 use super::write::{self, bag1, chunk1, connection1, message1};
 use loc_core::Pose2;
-use loc_sim::event::{Event, Measurement, Payload};
+use loc_sensors::event::{Event, Measurement, Payload};
 use loc_sim::source::Source;
 use loc_sim::source::laser_log::{ReplayOptions, Start};
 use loc_sim::source::ros::messages::*;

@@ -2,7 +2,7 @@
 
 use super::all;
 use loc_core::Pose2;
-use loc_sim::event::{Measurement, Payload};
+use loc_sensors::event::{Measurement, Payload};
 use loc_sim::source::Source;
 use loc_sim::source::laser_log::{ReplayOptions, Start};
 use loc_sim::source::ros::{RosOptions, RosRecording};

@@ -1,7 +1,7 @@
 //! Messages of a bag joined to a stream of events.
 
 use loc_core::Pose2;
-use loc_sim::event::{Control, Event, Measurement, Payload};
+use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sim::source::Source;
 use loc_sim::source::laser_log::{ReplayOptions, Start};
 use loc_sim::source::ros::messages::*;

@@ -1,7 +1,7 @@
 //! Sensors beside the laser: clouds of points, inertial units, satellite receivers.
 
 use loc_core::Pose2;
-use loc_sim::event::{Event, Measurement, Payload};
+use loc_sensors::event::{Event, Measurement, Payload};
 use loc_sim::localizer::Method;
 use loc_sim::metrics::{Alignment, Summary};
 use loc_sim::runner;

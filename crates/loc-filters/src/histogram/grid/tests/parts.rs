@@ -162,8 +162,8 @@ fn the_fine_grid_moves_with_the_odometry() {
         drift: 0.0,
         turn: 0.0,
         pivot: 0.0,
-        least_position: 0.0,
-        least_heading: 0.0,
+        min_position: 0.0,
+        min_heading: 0.0,
         fault_probability: 0.0,
     };
     let middle = Pose2::new(5.0, 1.0, 0.7);

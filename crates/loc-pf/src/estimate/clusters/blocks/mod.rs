@@ -4,7 +4,7 @@
 
 mod neighbours;
 
-use super::raster::{Address, MOST_HEADINGS};
+use super::raster::{Address, MAX_HEADINGS};
 
 /// Stands for particles that are in no cell.
 pub(super) const NOWHERE: u32 = u32::MAX;
@@ -16,7 +16,7 @@ const SIDE: u32 = 4;
 const SQUARES: usize = (SIDE * SIDE) as usize;
 
 /// Cells of a block.
-const BLOCK: u32 = SQUARES as u32 * MOST_HEADINGS;
+const BLOCK: u32 = SQUARES as u32 * MAX_HEADINGS;
 
 /// From one key to that of the block above.
 const ROW: u64 = 1 << 32;
@@ -49,7 +49,7 @@ struct Block {
 }
 
 /// Most blocks: places have room for 4 million, and a cloud that needs more is on no map.
-const MOST: usize = (NOWHERE / BLOCK) as usize;
+const MAX: usize = (NOWHERE / BLOCK) as usize;
 
 /// Open addressing with linear probing: 4 bytes a slot, at most half of them taken.
 #[derive(Debug)]
@@ -67,7 +67,7 @@ pub(super) struct Blocks {
 
 impl Default for Blocks {
     fn default() -> Self {
-        Blocks::at_most(MOST)
+        Blocks::at_most(MAX)
     }
 }
 
@@ -93,7 +93,7 @@ impl Place {
         let square = row % SIDE * SIDE + column % SIDE;
         Place {
             block: u64::from(row / SIDE) * ROW + u64::from(column / SIDE),
-            within: square * MOST_HEADINGS + address.heading,
+            within: square * MAX_HEADINGS + address.heading,
         }
     }
 }
@@ -129,8 +129,8 @@ impl Blocks {
             },
         };
         self.last = index;
-        let square = &mut self.blocks[index].squares[(within / MOST_HEADINGS) as usize % SQUARES];
-        square.headings |= 1 << (within % MOST_HEADINGS);
+        let square = &mut self.blocks[index].squares[(within / MAX_HEADINGS) as usize % SQUARES];
+        square.headings |= 1 << (within % MAX_HEADINGS);
         index as u32 * BLOCK + within
     }
 
@@ -166,8 +166,8 @@ impl Blocks {
     /// The number of the cell at a place.
     #[inline(always)]
     pub(super) fn cell(&self, place: u32) -> u32 {
-        let square = (place / MOST_HEADINGS) as usize % SQUARES;
-        self.blocks[(place / BLOCK) as usize].squares[square].cell(place % MOST_HEADINGS)
+        let square = (place / MAX_HEADINGS) as usize % SQUARES;
+        self.blocks[(place / BLOCK) as usize].squares[square].cell(place % MAX_HEADINGS)
     }
 
     /// Numbers the cells by where they are, whatever the order in which they were occupied; returns

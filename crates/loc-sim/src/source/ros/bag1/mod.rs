@@ -10,7 +10,7 @@ mod record;
 use super::bag::{Channel, Encoding, MessageReader, RawMessage};
 use super::compression::{Compression, Unpacked};
 use super::fields::Fields;
-use super::input::{Input, MOST_BYTES};
+use super::input::{Input, MAX_BYTES};
 use crate::Result;
 use record::{Header, record};
 use std::collections::BTreeMap;
@@ -199,8 +199,8 @@ impl Bag1 {
                 ));
             }
             Unpacked::TooMuch => {
-                let [expected, found] = match u64::from(size) > MOST_BYTES {
-                    true => [format!("a chunk of at most {MOST_BYTES} bytes"), size.to_string()],
+                let [expected, found] = match u64::from(size) > MAX_BYTES {
+                    true => [format!("a chunk of at most {MAX_BYTES} bytes"), size.to_string()],
                     false => {
                         [format!("a chunk of {size} bytes, as its header says"), "more".into()]
                     }

@@ -16,7 +16,7 @@ use metadata::Metadata;
 use std::path::{Path, PathBuf};
 
 /// Longest message that is unpacked for itself \[bytes\].
-const MOST_MESSAGE: u64 = 1 << 28;
+const MAX_MESSAGE: u64 = 1 << 28;
 
 /// Whether a folder is a bag of ROS 2.
 pub(super) fn is_bag(folder: &Path) -> bool {
@@ -84,7 +84,7 @@ impl Bag2 {
 
 /// Unpacks a message; false for one that cannot be. How long it is, its packed bytes say.
 fn unpack(packed: &[u8], into: &mut Vec<u8>) -> bool {
-    Compression::Zstd.unpack(packed, MOST_MESSAGE, into) != Unpacked::TooMuch && !into.is_empty()
+    Compression::Zstd.unpack(packed, MAX_MESSAGE, into) != Unpacked::TooMuch && !into.is_empty()
 }
 
 /// Index of a channel among the known ones; a new one is added.

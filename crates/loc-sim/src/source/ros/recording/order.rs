@@ -3,10 +3,10 @@
 use super::join::{Join, Waiting};
 use super::roles::ReferenceFrom;
 use crate::Error;
-use crate::event::Measurement;
 use crate::source::laser_log::{Entry, What};
 use crate::source::ros::messages::Stamp;
 use loc_core::Pose2;
+use loc_sensors::event::Measurement;
 
 /// A message waits this long for those of other topics that belong before it \[ns\].
 const PATIENCE: i64 = 5_000_000_000;

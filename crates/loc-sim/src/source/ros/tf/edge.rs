@@ -5,7 +5,7 @@ use loc_core::nalgebra::Isometry3;
 use std::collections::VecDeque;
 
 /// The most transforms that are kept of a frame: 100 a second over 10 minutes.
-const MOST: usize = 60_000;
+const MAX: usize = 60_000;
 
 /// The transforms of one frame, in order of time.
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ impl Edge {
             _ => self.moving.insert(place, (stamp, transform)),
         }
         while let (Some((first, _)), Some((last, _))) = (self.moving.front(), self.moving.back()) {
-            if last.seconds_since(*first) <= keep && self.moving.len() <= MOST {
+            if last.seconds_since(*first) <= keep && self.moving.len() <= MAX {
                 break;
             }
             self.moving.pop_front();

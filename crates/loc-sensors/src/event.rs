@@ -1,14 +1,14 @@
-//! The one language that sources speak and localizers understand: a stream of events.
+//! Time-stamped inputs shared by all sources and localizers: a stream of events.
 //!
 //! A recording, a simulated robot and a live one look the same from here: controls and
 //! measurements with the time they belong to, in the order in which they became known, with the
 //! truth among them where it is known.
 
+use crate::compass::CompassReading;
+use crate::imu::ImuReading;
+use crate::landmark_camera::LandmarkObservation;
+use crate::laser::LaserScan;
 use loc_core::{Gaussian, Pose2, Twist2};
-use loc_sensors::compass::CompassReading;
-use loc_sensors::imu::ImuReading;
-use loc_sensors::landmark_camera::Sighting;
-use loc_sensors::laser::LaserScan;
 use std::sync::Arc;
 
 /// Something that became known.
@@ -24,7 +24,6 @@ pub struct Event {
 
 /// What an event tells.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub enum Payload {
     /// How the robot moves from the stamp on.
     Control(Control),
@@ -36,7 +35,6 @@ pub enum Payload {
 
 /// How the robot moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
 pub enum Control {
     /// It drives with this velocity, until told otherwise.
     Velocity(Twist2),
@@ -48,11 +46,10 @@ pub enum Control {
 
 /// What a sensor measured.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 // ANCHOR: measurement
 pub enum Measurement {
     /// Landmarks seen at one moment, any number of them.
-    Landmarks(Vec<Sighting>),
+    Landmarks(Vec<LandmarkObservation>),
     /// A sweep of a laser.
     Scan {
         /// The ranges.

@@ -6,18 +6,18 @@ use loc_core::error::{finite, non_negative};
 /// One landmark as the camera reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Sighting {
+pub struct LandmarkObservation {
     /// Number read off the landmark; it may be wrong.
     pub landmark: u32,
     /// Where it was seen.
-    pub sight: Sight,
+    pub sight: Observed,
 }
 
 /// Where a landmark was seen from the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-pub enum Sight {
+pub enum Observed {
     /// Distance \[m\] and direction, counter-clockwise from the camera's axis \[rad\].
     RangeBearing {
         /// Distance \[m\].
@@ -41,7 +41,7 @@ pub enum Sight {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-pub enum SightKind {
+pub enum ObservedKind {
     /// Distance and direction.
     #[default]
     RangeBearing,
@@ -51,29 +51,29 @@ pub enum SightKind {
     Bearing,
 }
 
-impl Sight {
+impl Observed {
     /// A sight of the given kind, from a distance \[m\] and a direction \[rad\].
-    pub fn new(kind: SightKind, range: f64, bearing: f64) -> Self {
+    pub fn new(kind: ObservedKind, range: f64, bearing: f64) -> Self {
         match kind {
-            SightKind::RangeBearing => Sight::RangeBearing { range, bearing },
-            SightKind::Range => Sight::Range { range },
-            SightKind::Bearing => Sight::Bearing { bearing },
+            ObservedKind::RangeBearing => Observed::RangeBearing { range, bearing },
+            ObservedKind::Range => Observed::Range { range },
+            ObservedKind::Bearing => Observed::Bearing { bearing },
         }
     }
 
     /// The distance \[m\], where it was measured.
     pub fn range(self) -> Option<f64> {
         match self {
-            Sight::RangeBearing { range, .. } | Sight::Range { range } => Some(range),
-            Sight::Bearing { .. } => None,
+            Observed::RangeBearing { range, .. } | Observed::Range { range } => Some(range),
+            Observed::Bearing { .. } => None,
         }
     }
 
     /// The direction \[rad\], where it was measured.
     pub fn bearing(self) -> Option<f64> {
         match self {
-            Sight::RangeBearing { bearing, .. } | Sight::Bearing { bearing } => Some(bearing),
-            Sight::Range { .. } => None,
+            Observed::RangeBearing { bearing, .. } | Observed::Bearing { bearing } => Some(bearing),
+            Observed::Range { .. } => None,
         }
     }
 
