@@ -24,9 +24,9 @@
 //! ```
 
 use crate::Result;
-use crate::angles::wrapped;
 use crate::innovation::{Gate, Innovation, finite};
 use crate::kalman::update;
+use crate::kalman::update::wrapped;
 use loc_core::Gaussian;
 use nalgebra::{SMatrix, SVector};
 

@@ -1,6 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-mod angles;
 pub mod association;
 pub mod delayed;
 mod error;

@@ -31,33 +31,30 @@
 //! # Ok::<(), loc_filters::Error>(())
 //! ```
 
-mod held;
+mod filter;
 mod models;
-mod motion;
-mod outcome;
-mod pulse;
-mod settings;
-mod start;
 pub mod state;
 
 pub use models::{
-    CompassModel, DirectionModel, DistanceModel, InertialModel, ObservationModel, PositionModel,
-    WheelModel,
+    CompassModel, DirectionModel, DistanceModel, FusedMotion, InertialModel, ObservationModel,
+    PositionModel, WheelModel,
 };
-pub use motion::FusedMotion;
-pub use outcome::{FusionOutcome, FusionSensor};
-pub use settings::FusionSettings;
 pub use state::FusedBelief;
 
 use crate::delayed::DelayedFilter;
+use crate::lateration::BiasPrior;
 use crate::smoother::Recorded;
-use crate::{ExtendedKalmanFilter, NonlinearFilter, Result};
-use held::{Held, Input};
-use loc_core::{Gaussian, Twist2};
+use crate::{ExtendedKalmanFilter, Gate, Innovation, NonlinearFilter, Result};
+use filter::{Held, Input};
+use loc_core::error::{finite, non_negative, positive};
+use loc_core::motion::{Integration, VelocityNoise};
+use loc_core::{Gaussian, Pose2, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::compass::CompassReading;
-use loc_sensors::imu::ImuReading;
-use loc_sensors::landmark_camera::LandmarkObservation;
+use loc_sensors::gnss::GnssNoise;
+use loc_sensors::imu::{ImuReading, ImuSpec};
+use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation};
+use nalgebra::{Point2, SVector, Vector2};
 use state::STATES;
 use std::sync::Arc;
 
@@ -201,5 +198,162 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<Recorded<F, STATES>> {
     pub fn smooth(&self) -> Result<Vec<FusedBelief>> {
         let marked = self.filter.newest().past().smooth_marked()?;
         Ok(marked.into_iter().map(FusedBelief).collect())
+    }
+}
+
+// What the fused filter can be told.
+
+/// All that the fused filter can be told. Of a sensor that the robot does not have, the settings
+/// do not matter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct FusionSettings {
+    /// Rule that turns velocities into poses.
+    pub integration: Integration,
+    /// How far wheel odometry may be off (E7).
+    pub motion_noise: VelocityNoise,
+    /// How far observations of landmarks may be off.
+    pub observation_noise: LandmarkNoise,
+    /// The pose of the camera or the ranging antenna on the robot, `base_from_camera`.
+    pub mounting: Pose2,
+    /// What is known of the bias of ranges.
+    pub range_bias: BiasPrior,
+    /// Rate and errors of the inertial unit, which sits in the middle of the robot.
+    pub imu: ImuSpec,
+    /// Standard deviation of the compass \[rad\].
+    pub compass_sigma: f64,
+    /// Errors of the satellite receiver.
+    pub gnss: GnssNoise,
+    /// Place of the satellite receiver's antenna on the robot \[m\].
+    pub antenna: Point2<f64>,
+    /// How fast the speed changes while no accelerometer measures it, as a random walk
+    /// \[m/s/sqrt(s)\].
+    pub speed_walk: f64,
+    /// How fast the speed changes beside what the accelerometer measures (floors are not level)
+    /// \[m/s/sqrt(s)\].
+    pub slope_walk: f64,
+    /// How fast the turn rate changes, as a random walk \[rad/s/sqrt(s)\].
+    pub turn_walk: f64,
+    /// Standard deviation of the speed at the start, about 0 \[m/s\].
+    pub start_speed: f64,
+    /// Standard deviation of the turn rate at the start, about 0 \[rad/s\].
+    pub start_turn: f64,
+    /// Share of right measurements that the gate lets pass, 1 for no gate.
+    pub gate_probability: f64,
+    /// How late an input may come \[s\].
+    pub horizon: f64,
+}
+
+impl FusionSettings {
+    /// Checks every value and computes the gate.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] with the name of the first that is not allowed.
+    pub fn check(&self) -> Result<Gate> {
+        self.motion_noise.check()?;
+        self.observation_noise.check()?;
+        positive("sigma of the range [m]", self.observation_noise.range_sigma)?;
+        positive("sigma of the bearing [rad]", self.observation_noise.bearing_sigma)?;
+        for value in [self.mounting.x, self.mounting.y, self.mounting.theta] {
+            finite("mounting of the camera [m, m, rad]", value)?;
+        }
+        self.range_bias.check()?;
+        finite("prior sigma of the range scale", self.range_bias.scale_sigma)?;
+        finite("prior sigma of the range offset [m]", self.range_bias.offset_sigma)?;
+        self.imu.check()?;
+        positive("sigma of the compass [rad]", self.compass_sigma)?;
+        self.gnss.check()?;
+        positive("white sigma of a position [m]", self.gnss.white_sigma)?;
+        finite("place of the satellite antenna [m]", self.antenna.x)?;
+        finite("place of the satellite antenna [m]", self.antenna.y)?;
+        positive("walk of the speed [m/s/sqrt(s)]", self.speed_walk)?;
+        non_negative("walk of the speed on slopes [m/s/sqrt(s)]", self.slope_walk)?;
+        positive("walk of the turn rate [rad/s/sqrt(s)]", self.turn_walk)?;
+        non_negative("speed at the start [m/s]", self.start_speed)?;
+        non_negative("turn rate at the start [rad/s]", self.start_turn)?;
+        non_negative("horizon for late inputs [s]", self.horizon)?;
+        Gate::probability(self.gate_probability)
+    }
+}
+
+impl Default for FusionSettings {
+    /// A small robot on wheels. Ranges have the bias of radio ranging out of the box: a scale known
+    /// to 10 %, an offset known to 20 cm.
+    fn default() -> Self {
+        FusionSettings {
+            integration: Integration::ExactArc,
+            motion_noise: VelocityNoise::default(),
+            observation_noise: LandmarkNoise::default(),
+            mounting: Pose2::IDENTITY,
+            range_bias: BiasPrior { scale_sigma: 0.1, offset_sigma: 0.2 },
+            imu: ImuSpec::default(),
+            compass_sigma: 2_f64.to_radians(),
+            gnss: GnssNoise::neo_m8(),
+            antenna: Point2::origin(),
+            speed_walk: 1.0,
+            slope_walk: 0.02,
+            turn_walk: 1.0,
+            start_speed: 0.5,
+            start_turn: 0.5,
+            gate_probability: 0.999,
+            horizon: 2.0,
+        }
+    }
+}
+
+// What became of a measurement.
+
+/// The sensor that measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FusionSensor {
+    /// Wheel odometry.
+    Wheels,
+    /// The inertial unit.
+    Inertial,
+    /// The compass.
+    Compass,
+    /// The satellite receiver.
+    Position,
+    /// The camera or the ranging radio, with the landmark's number.
+    Landmark(u32),
+}
+
+/// What the filter made of one measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FusionOutcome {
+    /// The sensor.
+    pub sensor: FusionSensor,
+    /// Whether it changed the belief.
+    pub accepted: bool,
+    /// Normalised innovation squared; `None` for a landmark that the map does not have.
+    pub nis: Option<f64>,
+    /// How many numbers were held against the expectation: 0, 1 or 2.
+    pub degrees_of_freedom: usize,
+    whitened: Vector2<f64>,
+}
+
+impl FusionOutcome {
+    /// A measurement that nothing is expected of.
+    fn refused(sensor: FusionSensor) -> Self {
+        let whitened = Vector2::zeros();
+        FusionOutcome { sensor, accepted: false, nis: None, degrees_of_freedom: 0, whitened }
+    }
+
+    fn of<const M: usize>(sensor: FusionSensor, innovation: &Innovation<M>) -> Self {
+        let part = |vector: &SVector<f64, M>, k: usize| vector.get(k).copied().unwrap_or(0.0);
+        FusionOutcome {
+            sensor,
+            accepted: innovation.accepted,
+            nis: Some(innovation.nis),
+            degrees_of_freedom: M.min(2),
+            whitened: Vector2::from_fn(|k, _| part(&innovation.whitened, k)),
+        }
+    }
+
+    /// The innovation in units of its standard deviations: as many independent numbers of variance
+    /// 1 as there are degrees of freedom.
+    pub fn whitened(&self) -> &[f64] {
+        &self.whitened.as_slice()[..self.degrees_of_freedom.min(2)]
     }
 }

@@ -21,14 +21,69 @@
 
 mod ekf;
 mod localizer;
-mod models;
-mod outcome;
-mod settings;
-mod smoother;
 
-pub use ekf::{LandmarkEkf, LandmarkFilter, LandmarkUkf};
-pub use localizer::LandmarkLocalizer;
-pub use models::{BearingModel, RangeBearingModel, RangeModel, VelocityMotion};
-pub use outcome::{Outcome, Verdict};
-pub use settings::LandmarkSettings;
-pub use smoother::LandmarkSmoother;
+pub use ekf::{
+    BearingModel, LandmarkEkf, LandmarkFilter, LandmarkUkf, Outcome, RangeBearingModel, RangeModel,
+    VelocityMotion, Verdict,
+};
+pub use localizer::{LandmarkLocalizer, LandmarkSmoother};
+
+use crate::{Gate, Result};
+use loc_core::Pose2;
+use loc_core::motion::{Integration, VelocityNoise};
+use loc_sensors::landmark_camera::LandmarkNoise;
+
+// The settings of landmark localization.
+
+/// All that landmark localization can be told, with defaults that serve a small indoor robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct LandmarkSettings {
+    /// Rule that turns velocities into poses.
+    pub integration: Integration,
+    /// How far odometry may be off.
+    pub motion_noise: VelocityNoise,
+    /// How far observations may be off.
+    pub observation_noise: LandmarkNoise,
+    /// The camera's pose on the robot, `base_from_camera`.
+    pub mounting: Pose2,
+    /// Share of right observations that the gate lets pass, 1 for no gate.
+    pub gate_probability: f64,
+    /// How late an input may come \[s\].
+    pub horizon: f64,
+}
+
+impl LandmarkSettings {
+    /// Checks every value and computes the gate.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for noise without a sigma, probabilities outside (0, 1],
+    /// or values that are negative or not finite.
+    pub(crate) fn gate(&self) -> Result<Gate> {
+        self.observation_noise.check()?;
+        loc_core::error::positive("sigma of the range [m]", self.observation_noise.range_sigma)?;
+        loc_core::error::positive(
+            "sigma of the bearing [rad]",
+            self.observation_noise.bearing_sigma,
+        )?;
+        self.motion_noise.check()?;
+        for value in [self.mounting.x, self.mounting.y, self.mounting.theta] {
+            loc_core::error::finite("mounting of the camera [m, m, rad]", value)?;
+        }
+        Gate::probability(self.gate_probability)
+    }
+}
+
+impl Default for LandmarkSettings {
+    fn default() -> Self {
+        LandmarkSettings {
+            integration: Integration::ExactArc,
+            motion_noise: VelocityNoise::default(),
+            observation_noise: LandmarkNoise::default(),
+            mounting: Pose2::IDENTITY,
+            gate_probability: 0.999,
+            horizon: 2.0,
+        }
+    }
+}

@@ -28,7 +28,6 @@
 
 mod ekf;
 mod linear;
-mod localizer;
 mod state;
 
 pub use ekf::{
@@ -36,4 +35,137 @@ pub use ekf::{
     SlamVerdict,
 };
 pub use linear::{LinearSlam, LinearSlamSettings, RelativeObservation};
-pub use localizer::SlamLocalizer;
+
+use crate::Result;
+use crate::delayed::{DelayedFilter, Step};
+use loc_core::{Gaussian, Twist2};
+use loc_sensors::landmark_camera::LandmarkObservation;
+
+// EKF-SLAM on the stamps of real sensors.
+
+/// SLAM over stamped inputs, in order or late.
+///
+/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
+/// several at one stamp, up to a horizon late, or not at all. For late ones the filter is kept as
+/// it was before every input within the horizon; each that was corrected since has a covariance of
+/// its own, so that a map of thousands of landmarks goes with a horizon of 0.
+#[derive(Debug, Clone)]
+pub struct SlamLocalizer {
+    filter: DelayedFilter<Held>,
+}
+
+/// The filter at the stamp of its last input, with the velocity that it drives on with.
+#[derive(Debug, Clone)]
+struct Held {
+    slam: EkfSlam,
+    stamp: f64,
+    twist: Twist2,
+}
+
+/// What the localizer is given.
+#[derive(Debug, Clone)]
+enum Input {
+    Velocity(Twist2),
+    LandmarkObservations(Vec<LandmarkObservation>),
+}
+
+impl SlamLocalizer {
+    /// A localizer that stands still at `stamp` \[s\] with a belief over (x, y, theta), and takes
+    /// inputs up to `horizon` \[s\] late.
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for a belief, a stamp, a horizon or settings that are not valid.
+    pub fn new(
+        settings: SlamSettings,
+        stamp: f64,
+        start: Gaussian<3>,
+        horizon: f64,
+    ) -> Result<Self> {
+        let stamp = loc_core::error::finite("start time [s]", stamp)?;
+        let held = Held { slam: EkfSlam::new(start, settings)?, stamp, twist: Twist2::ZERO };
+        Ok(SlamLocalizer { filter: DelayedFilter::new(held, horizon)? })
+    }
+
+    /// The velocity from `stamp` \[s\] on.
+    ///
+    /// # Errors
+    /// [`crate::Error::TooLate`], and [`crate::Error::NotFinite`] for the velocity.
+    pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
+        self.filter.input("velocity", stamp, Input::Velocity(twist)).map(|_| ())
+    }
+
+    /// Any number of landmarks seen at `stamp` \[s\]; the answer has one outcome for each.
+    ///
+    /// # Errors
+    /// [`crate::Error::TooLate`], and what [`EkfSlam::correct`] refuses.
+    pub fn observations(
+        &mut self,
+        stamp: f64,
+        observations: &[LandmarkObservation],
+    ) -> Result<Vec<SlamOutcome>> {
+        self.filter.input("observations", stamp, Input::LandmarkObservations(observations.to_vec()))
+    }
+
+    /// The belief about the robot at a time \[s\]: predicted from the last input before it.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite,
+    /// [`crate::Error::LostPositivity`].
+    pub fn estimate(&self, stamp: f64) -> Result<Gaussian<3>> {
+        loc_core::error::finite("stamp [s]", stamp)?;
+        let held = self.filter.at(stamp);
+        let pose = held.slam.pose()?;
+        if stamp <= held.stamp {
+            return Ok(pose);
+        }
+        let SlamSettings { integration, motion_noise, .. } = held.slam.settings();
+        let dt = stamp - held.stamp;
+        Ok(loc_core::motion::dead_reckon(&pose, held.twist, dt, *integration, motion_noise))
+    }
+
+    /// The landmarks after the newest input.
+    ///
+    /// # Errors
+    /// [`crate::Error::LostPositivity`].
+    pub fn landmarks(&self) -> Result<Vec<MapLandmark>> {
+        self.filter.newest().slam.landmarks()
+    }
+
+    /// The filter after the newest input.
+    pub fn newest(&self) -> &EkfSlam {
+        &self.filter.newest().slam
+    }
+}
+
+impl Step for Held {
+    type Input = Input;
+    type Report = Vec<SlamOutcome>;
+
+    fn step(&mut self, stamp: f64, input: &Input) -> Result<Vec<SlamOutcome>> {
+        // Inputs from before the start belong to the start.
+        let dt = (stamp - self.stamp).max(0.0);
+        let before = self.clone();
+        match self.take(dt, input) {
+            Ok(outcomes) => Ok(outcomes),
+            Err(error) => {
+                *self = before;
+                Err(error)
+            }
+        }
+    }
+}
+
+impl Held {
+    fn take(&mut self, dt: f64, input: &Input) -> Result<Vec<SlamOutcome>> {
+        self.slam.predict(self.twist, dt)?;
+        self.stamp += dt;
+        match input {
+            Input::Velocity(twist) => {
+                crate::innovation::finite("velocity", &twist.to_vector())?;
+                self.twist = *twist;
+                Ok(Vec::new())
+            }
+            Input::LandmarkObservations(observations) => self.slam.correct(observations),
+        }
+    }
+}

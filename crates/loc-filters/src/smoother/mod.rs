@@ -29,21 +29,18 @@
 //! # Ok::<(), loc_filters::Error>(())
 //! ```
 
-mod chain;
-mod gain;
-mod link;
 mod recorded;
 
-pub use link::{Link, Recordable};
 pub use recorded::Recorded;
 
-use crate::angles::wrapped;
 use crate::extended::LinearizedMotion;
-use crate::kalman::update::propagate;
+use crate::innovation::Factor;
+use crate::kalman::update::{propagate, wrapped};
 use crate::{Error, Result};
-use chain::Chain;
-use loc_core::Gaussian;
-use nalgebra::{SMatrix, SVector};
+use loc_core::{Error, Gaussian};
+use nalgebra::{DMatrix, SMatrix, SVector};
+use std::fmt;
+use std::sync::Arc;
 
 /// The beliefs of a filter over a drive, with what led from each to the next. A copy of it is cheap.
 #[derive(Debug, Clone)]
@@ -204,7 +201,7 @@ impl<const N: usize> Smoother<N> {
             Link::Tangent { jacobian, .. } => p * jacobian.transpose(),
             Link::Points { root, slopes, .. } => root * slopes.transpose(),
         };
-        let gain = gain::gain(&cross, &step.predicted.covariance)?;
+        let gain = gain(&cross, &step.predicted.covariance)?;
         let change = self.wrapped(later.mean - step.predicted.mean);
         let mean = self.wrapped(filtered.mean + gain * change);
         let (noise, kept, before) = match &step.link {
@@ -221,5 +218,168 @@ impl<const N: usize> Smoother<N> {
 
     fn wrapped(&self, state: SVector<f64, N>) -> SVector<f64, N> {
         wrapped(state, self.angles)
+    }
+}
+
+// What the smoother needs to know of a filter: its belief, its angles, and how it came from one
+// moment to the next.
+
+/// A filter that [`Recorded`](Recorded) can keep the past of.
+pub trait Recordable<const N: usize> {
+    /// What the filter believes now.
+    fn belief(&self) -> &Gaussian<N>;
+    /// The states that are angles.
+    fn angles(&self) -> &'static [usize];
+}
+
+/// How the state before a prediction and the one after it hang together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Link<const N: usize> {
+    /// By a tangent: the state after is `F x` and noise.
+    Tangent {
+        /// F.
+        jacobian: SMatrix<f64, N, N>,
+        /// Its covariance.
+        noise: SMatrix<f64, N, N>,
+    },
+    /// By sigma points: `x = mean + L u` before, `A u` and noise after, with u of covariance 1.
+    Points {
+        /// L, with `L L^T` the covariance before.
+        root: SMatrix<f64, N, N>,
+        /// A.
+        slopes: SMatrix<f64, N, N>,
+        /// The noise of the motion, and what the points leave over from a line.
+        noise: SMatrix<f64, N, N>,
+    },
+}
+
+// The gain of the smoother, also where a prediction was certain of something.
+
+/// Directions whose variance is smaller than this share of that of the coordinates, are certain.
+const CERTAIN: f64 = 1e-12;
+
+/// `cross P^-1`, where `P` is positive definite; else with its pseudo-inverse.
+///
+/// What is certain after a prediction cannot be learnt better, so nothing flows back from there.
+fn gain<const N: usize>(
+    cross: &SMatrix<f64, N, N>,
+    p: &SMatrix<f64, N, N>,
+) -> Result<SMatrix<f64, N, N>> {
+    if !p.iter().chain(cross.iter()).all(|value| value.is_finite()) {
+        return Err(Error::NotACovariance {
+            what: "covariance of a prediction",
+            expected: "symmetric positive semi-definite",
+            found: format!("{p:?}"),
+        }
+        .into());
+    }
+    // In units of the standard deviations, so that metres and radians compare.
+    let sigma: [f64; N] = std::array::from_fn(|i| p[(i, i)].max(0.0).sqrt());
+    let per_sigma = sigma.map(|sigma| if sigma > 0.0 { 1.0 / sigma } else { 0.0 });
+    let correlation = SMatrix::<f64, N, N>::from_fn(|i, j| {
+        if i == j { 1.0 } else { p[(i, j)] * per_sigma[i] * per_sigma[j] }
+    });
+    let scaled = SMatrix::<f64, N, N>::from_fn(|i, j| cross[(i, j)] * per_sigma[j]);
+    let solved = match Factor::new(&correlation) {
+        Ok(factor) => factor.solve_right(scaled),
+        Err(_) => scaled * pseudo_inverse(&correlation),
+    };
+    Ok(SMatrix::from_fn(|i, j| solved[(i, j)] * per_sigma[j]))
+}
+
+/// Inverts a symmetric matrix in the directions in which it is not nearly 0.
+fn pseudo_inverse<const N: usize>(matrix: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+    let whole = DMatrix::from_fn(N, N, |i, j| 0.5 * (matrix[(i, j)] + matrix[(j, i)]));
+    let eigen = whole.symmetric_eigen();
+    let inverse = eigen.eigenvalues.map(|value| if value > CERTAIN { 1.0 / value } else { 0.0 });
+    let vectors = &eigen.eigenvectors;
+    let product = vectors * DMatrix::from_diagonal(&inverse) * vectors.transpose();
+    SMatrix::from_fn(|i, j| product[(i, j)])
+}
+
+// A past that grows at its end, and of which copies share what they have in common.
+//
+// Filters are copied often: to try something out, to come back when an input is late. A copy of a
+// chain costs nothing, however long it is.
+
+/// Values in the order in which they were pushed.
+struct Chain<T> {
+    last: Option<Arc<Entry<T>>>,
+    len: usize,
+}
+
+struct Entry<T> {
+    value: T,
+    before: Option<Arc<Entry<T>>>,
+}
+
+impl<T> Chain<T> {
+    const EMPTY: Self = Chain { last: None, len: 0 };
+
+    fn push(&mut self, value: T) {
+        let before = self.last.take();
+        self.last = Some(Arc::new(Entry { value, before }));
+        self.len += 1;
+    }
+
+    fn len(&self) -> usize {
+        self.len
+    }
+
+    /// The values, the last one first.
+    fn backwards(&self) -> impl Iterator<Item = &T> {
+        let entries = std::iter::successors(self.last.as_deref(), |entry| entry.before.as_deref());
+        entries.map(|entry| &entry.value)
+    }
+}
+
+impl<T> Clone for Chain<T> {
+    fn clone(&self) -> Self {
+        Chain { last: self.last.clone(), len: self.len }
+    }
+}
+
+/// One entry after the other: left to the compiler, a long chain would overflow the stack.
+impl<T> Drop for Chain<T> {
+    fn drop(&mut self) {
+        let mut next = self.last.take();
+        while let Some(mut entry) = next.and_then(Arc::into_inner) {
+            next = entry.before.take();
+        }
+    }
+}
+
+impl<T> fmt::Debug for Chain<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} moments", self.len)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_share_what_was_before_and_go_their_own_way() {
+        let mut one = Chain::EMPTY;
+        one.push(1);
+        one.push(2);
+        let mut other = one.clone();
+        one.push(3);
+        other.push(4);
+        assert_eq!(one.backwards().copied().collect::<Vec<_>>(), [3, 2, 1]);
+        assert_eq!(other.backwards().copied().collect::<Vec<_>>(), [4, 2, 1]);
+        drop(one);
+        assert_eq!(other.backwards().copied().collect::<Vec<_>>(), [4, 2, 1]);
+        assert_eq!(other.len(), 3);
+    }
+
+    #[test]
+    fn a_long_past_is_forgotten_without_trouble() {
+        let mut chain = Chain::EMPTY;
+        (0..1_000_000).for_each(|k| chain.push(k));
+        let copy = chain.clone();
+        drop(chain);
+        assert_eq!(copy.backwards().count(), 1_000_000);
     }
 }

@@ -44,25 +44,278 @@
 //! ```
 
 mod belief;
-mod bounds;
-mod codes;
 mod correct;
-mod focus;
-mod levels;
-mod localizer;
-mod moments;
-mod motion;
-mod picture;
-mod readout;
-mod scan;
-mod sensor;
+mod field;
 mod settings;
 mod space;
 mod stack;
-mod start;
 #[cfg(test)]
 mod tests;
 mod window;
 
-pub use localizer::{GridLocalizer, GridReport, GridUpdate};
 pub use settings::{FineSettings, GridSettings};
+
+use crate::Result;
+use belief::{Belief, Peak};
+use correct::{Scan, Sensor};
+use loc_core::error::finite;
+use loc_core::motion::DrivenPath;
+use loc_core::{Gaussian, Pose2};
+use loc_maps::OccupancyGrid;
+use loc_maps::grid::GridFrame;
+use loc_sensors::laser::LaserScan;
+use nalgebra::{Matrix3, Vector3};
+use space::PoseSpace;
+use stack::Sums;
+use window::Window;
+
+// A robot with a laser, followed on the grid.
+
+/// A robot followed by a histogram over all of its poses.
+#[derive(Debug, Clone)]
+pub struct GridLocalizer {
+    settings: GridSettings,
+    space: PoseSpace,
+    sensor: Sensor,
+    belief: Belief,
+    path: Option<DrivenPath>,
+    /// Whether a scan was taken in since the start.
+    has_seen: bool,
+    /// The most likely place at the last update.
+    found: Found,
+}
+
+/// The most likely place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Found {
+    share: f64,
+    gaussian: Gaussian<3>,
+}
+
+/// What [`GridLocalizer::update`] did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GridUpdate {
+    /// Nothing but noting the odometry: the robot has not moved enough since the last update.
+    StoodStill,
+    /// The belief was moved along, but no beam of the scan says anything.
+    Blind,
+    /// The belief was moved along and corrected.
+    Done(GridReport),
+}
+
+/// How an update went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridReport {
+    /// Logarithm of the mean likelihood of the scan over the predicted belief.
+    pub log_evidence: f64,
+    /// How many cells of the grid over the map were rated.
+    pub rated: usize,
+    /// The most that all the others can have of the belief.
+    pub passed_over: f64,
+}
+
+impl GridLocalizer {
+    /// A robot that may be anywhere on the free part of a map.
+    ///
+    /// # Errors
+    /// Settings out of range; [`crate::Error::NoFreeSpace`], and [`loc_core::Error::Length`] for
+    /// cells so small that the grid would not fit into memory.
+    pub fn new(map: &OccupancyGrid, settings: GridSettings) -> Result<Self> {
+        settings.validate()?;
+        Window::size(&settings.fine)?;
+        let space = PoseSpace::new(map, &settings)?;
+        let sensor = Sensor::new(map, &space, &settings)?;
+        let belief = Belief::anywhere(&space);
+        let gaussian = Gaussian { mean: Vector3::zeros(), covariance: Matrix3::identity() };
+        let found = Found { share: 0.0, gaussian };
+        let mut localizer =
+            GridLocalizer { settings, space, sensor, belief, path: None, has_seen: false, found };
+        localizer.look();
+        Ok(localizer)
+    }
+
+    /// What it was made with.
+    pub fn settings(&self) -> &GridSettings {
+        &self.settings
+    }
+
+    /// The robot is near a pose, with the uncertainty of `start` over (x, y, theta) \[m, m, rad\].
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for a belief that is none, [`crate::Error::NoRoom`] where it has no free
+    /// place in reach.
+    pub fn start_at(&mut self, start: &Gaussian<3>) -> Result<()> {
+        self.belief.start_near(start, &self.space, &self.settings)?;
+        self.restart();
+        Ok(())
+    }
+
+    /// Nobody knows where the robot is.
+    pub fn start_anywhere(&mut self) {
+        self.belief.forget();
+        self.restart();
+    }
+
+    fn restart(&mut self) {
+        self.look();
+        self.has_seen = false;
+        self.path = self.path.map(|path| DrivenPath::starting_at(path.end()));
+    }
+
+    /// Notes where the odometry is, between two scans: the noise of a way depends on how long it
+    /// was, which its ends alone do not tell.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a pose that is not finite, which is not noted.
+    pub fn odometry(&mut self, pose: Pose2) -> Result<()> {
+        finite("x of the odometry [m]", pose.x)?;
+        finite("y of the odometry [m]", pose.y)?;
+        finite("heading of the odometry [rad]", pose.theta)?;
+        self.path.get_or_insert(DrivenPath::starting_at(pose)).extend(pose);
+        Ok(())
+    }
+
+    /// Takes in the odometry's pose and what the laser, which sits at `mounting` on the robot
+    /// (`base_from_laser`), measured there. The first scan after a start counts in any case, later
+    /// ones when the robot has moved enough.
+    ///
+    /// # Errors
+    /// A scan that cannot be one ([`LaserScan::check`]) and a pose that is not finite; the belief
+    /// stays as it was then.
+    pub fn update(
+        &mut self,
+        odometry: Pose2,
+        scan: &LaserScan,
+        mounting: Pose2,
+    ) -> Result<GridUpdate> {
+        scan.check()?;
+        finite("mounting of a laser", mounting.to_vector().sum())?;
+        self.odometry(odometry)?;
+        let Some(path) = self.path else { return Ok(GridUpdate::StoodStill) };
+        let step = path.step();
+        if self.has_seen
+            && f64::hypot(step.x, step.y) < self.settings.update_distance
+            && step.theta.abs() < self.settings.update_turn
+        {
+            return Ok(GridUpdate::StoodStill);
+        }
+        let GridLocalizer { settings, space, sensor, belief, .. } = self;
+        belief.predict(&path, space, settings)?;
+        self.path = Some(DrivenPath::starting_at(path.end()));
+        self.has_seen = true;
+        let mut update = GridUpdate::Blind;
+        if let Some(scan) = Scan::new(scan, mounting, &sensor.field, space, settings) {
+            let correction = belief.correct(&scan, sensor, space, settings.negligible);
+            belief.focus(&correction, &scan, sensor, space, settings)?;
+            update = GridUpdate::Done(GridReport {
+                log_evidence: correction.log_evidence,
+                rated: correction.cells.len(),
+                passed_over: correction.passed_over,
+            });
+        }
+        self.look();
+        Ok(update)
+    }
+
+    /// Finds the most likely place: that of the fine grid, where there is one.
+    fn look(&mut self) {
+        let Belief { window, stack, anywhere, .. } = &self.belief;
+        let in_window = window.as_ref().and_then(Window::gaussian);
+        let peak = Peak::of(stack, &self.space, &self.settings.fine);
+        self.found = match (in_window, peak) {
+            (Some(gaussian), _) => Found { share: self.belief.in_window(), gaussian },
+            (None, Some(Peak { share, gaussian, .. })) if share > *anywhere => {
+                Found { share, gaussian }
+            }
+            _ => Found { share: 0.0, gaussian: self.mean() },
+        };
+    }
+
+    /// Mean and covariance over (x, y, theta) \[m, m, rad\] of the most likely place, now: of the
+    /// fine grid, where there is one, else of the surroundings of the most likely cell, carried along
+    /// by the way since the last update. Of a robot that may be anywhere, those of the whole belief.
+    pub fn estimate(&self) -> Gaussian<3> {
+        let Found { gaussian, .. } = self.found;
+        self.path.map_or(gaussian, |path| self.settings.motion.belief_after(&path, &gaussian))
+    }
+
+    /// The probability of the place that [`estimate`](GridLocalizer::estimate) describes; 0 for a
+    /// robot that may be anywhere.
+    pub fn certainty(&self) -> f64 {
+        self.found.share
+    }
+
+    /// The probability of a robot that may be anywhere, evenly: what all cells have that are not
+    /// kept one by one.
+    pub fn anywhere(&self) -> f64 {
+        self.belief.anywhere
+    }
+
+    /// Up to `most` likely places, the likeliest first: each with its probability and its mean and
+    /// covariance over (x, y, theta) \[m, m, rad\].
+    pub fn hypotheses(&self, most: usize) -> Vec<(f64, Gaussian<3>)> {
+        let Belief { stack, window, .. } = &self.belief;
+        let peaks = Peak::several(stack, &self.space, &self.settings.fine, most);
+        let coarse = peaks.into_iter().map(|peak| (peak.share, peak.gaussian));
+        let fine = window.as_ref().and_then(Window::gaussian);
+        let fine = fine.map(|gaussian| (self.belief.in_window(), gaussian));
+        let mut all: Vec<(f64, Gaussian<3>)> = fine.into_iter().chain(coarse).collect();
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        all.truncate(most);
+        all
+    }
+
+    /// Mean and covariance over (x, y, theta) \[m, m, rad\] of the whole belief at the last update.
+    pub fn mean(&self) -> Gaussian<3> {
+        let Belief { stack, window, anywhere, .. } = &self.belief;
+        let space = &self.space;
+        let coarse = || stack.cells().map(|(layer, place, p)| (space.pose(layer, place), p));
+        let fine = || {
+            let windows = window.iter().flat_map(|w| w.stack().cells().map(move |cell| (w, cell)));
+            windows.map(|(window, (layer, place, p))| (window.pose(layer, place), p))
+        };
+        let headings = space.size().headings as f64;
+        let everywhere = || {
+            let places = (0..space.size().layer()).map(move |place| (place, space.share(place)));
+            let places = places.filter(|(_, share)| *share > 0.0);
+            places.map(move |(place, share)| {
+                let pose = space.pose(0, place);
+                ([pose.x, pose.y], anywhere * share * headings)
+            })
+        };
+        let mut sums = Sums::default();
+        coarse().chain(fine()).for_each(|(pose, p)| sums.add(pose, p));
+        everywhere().for_each(|(place, p)| sums.add_any_heading(place, p));
+        // The belief adds up to 1, so there is something.
+        let Some(mut spread) = sums.spread() else { return self.found.gaussian };
+        coarse().chain(fine()).for_each(|(pose, p)| spread.add(pose, p));
+        everywhere().for_each(|(place, p)| spread.add_any_heading(place, p));
+        spread.gaussian(space.squares().resolution(), space.heading_step())
+    }
+
+    /// The squares of the map that probabilities are kept for.
+    pub fn squares(&self) -> &GridFrame {
+        self.space.squares()
+    }
+
+    /// The probability of each square at the last update, whatever the heading, row by row from the
+    /// bottom; their sum is 1.
+    pub fn position_probabilities(&self) -> Vec<f64> {
+        let Belief { stack, window, anywhere, .. } = &self.belief;
+        let size = self.space.size();
+        let everywhere = anywhere * size.headings as f64;
+        let mut sums: Vec<f64> =
+            (0..size.layer()).map(|place| everywhere * self.space.share(place)).collect();
+        stack.cells().for_each(|(_, place, p)| sums[place] += p);
+        for (window, (layer, place, p)) in
+            window.iter().flat_map(|w| w.stack().cells().map(move |cell| (w, cell)))
+        {
+            if let Some((_, place)) = self.space.cell_of(window.pose(layer, place)) {
+                sums[place] += p;
+            }
+        }
+        sums
+    }
+}
+
+// What can be read from the belief.

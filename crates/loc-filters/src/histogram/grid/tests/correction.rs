@@ -1,9 +1,8 @@
 //! Predictions and corrections of the whole belief.
 
-use super::super::belief::Belief;
-use super::super::correct::LogSum;
-use super::super::levels::Levels;
 use super::*;
+use crate::histogram::grid::belief::Belief;
+use crate::histogram::grid::correct::{Levels, LogSum};
 use approx::assert_relative_eq;
 use loc_core::gaussian::pose_belief;
 use loc_core::motion::DrivenPath;

@@ -5,8 +5,7 @@ mod correction;
 mod moving;
 mod parts;
 
-use super::scan::Scan;
-use super::sensor::Sensor;
+use super::correct::{Scan, Sensor};
 use super::settings::GridSettings;
 use super::space::PoseSpace;
 use loc_core::Pose2;

@@ -1,10 +1,9 @@
 //! Squares, bounds, the fine grid, moments.
 
-use super::super::bounds::LayerBounds;
-use super::super::moments::Sums;
-use super::super::motion::Step;
-use super::super::window::Window;
 use super::*;
+use crate::histogram::grid::field::LayerBounds;
+use crate::histogram::grid::stack::Sums;
+use crate::histogram::grid::window::{Step, Window};
 use approx::assert_relative_eq;
 use loc_core::angle;
 use loc_core::motion::{DrivenPath, PathNoise};
