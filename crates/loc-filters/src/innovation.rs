@@ -13,7 +13,6 @@
 //! ```
 
 use crate::{Error, Result};
-use loc_core::Error;
 use loc_core::stats::chi_square_quantile;
 use nalgebra::{SMatrix, SVector};
 
@@ -107,8 +106,6 @@ pub(crate) fn finite<const M: usize>(what: &'static str, vector: &SVector<f64, M
     Err(Error::NotFinite { what, found: format!("{:?}", vector.as_slice()) })
 }
 
-// The Cholesky factor of an innovation's covariance.
-
 /// `S = L L^T`, with the diagonal of L kept as its inverse, so that solving only multiplies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Factor<const M: usize> {
@@ -122,7 +119,7 @@ impl<const M: usize> Factor<M> {
     /// Factorises the lower half of `s`.
     ///
     /// # Errors
-    /// [`Error::NotACovariance`] where it is not positive definite, or not finite.
+    /// [`loc_core::Error::NotACovariance`] where it is not positive definite, or not finite.
     #[inline(always)]
     pub(crate) fn new(s: &SMatrix<f64, M, M>) -> Result<Self> {
         let mut lower = *s;
@@ -190,11 +187,11 @@ fn subtract<const N: usize>(columns: &mut [[f64; N]], j: usize, k: usize, factor
 }
 
 #[cold]
-fn not_definite<const M: usize>(s: &SMatrix<f64, M, M>) -> crate::Error {
+fn not_definite<const M: usize>(s: &SMatrix<f64, M, M>) -> Error {
     // The general routine words the refusal.
     match loc_core::gaussian::cholesky("innovation covariance", s) {
         Err(error) => error.into(),
-        Ok(_) => Error::OutOfRange {
+        Ok(_) => loc_core::Error::OutOfRange {
             what: "smallest pivot of the innovation covariance",
             expected: "a number > 0",
             found: 0.0,

@@ -22,7 +22,6 @@ use loc_core::Gaussian;
 use loc_core::error::{non_negative, positive};
 use loc_core::gaussian::check_covariance;
 use nalgebra::{Matrix1, SMatrix, SVector, Vector1};
-use update;
 
 // The Kalman filter in one dimension (G1).
 

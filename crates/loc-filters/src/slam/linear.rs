@@ -110,7 +110,8 @@ impl LinearSlam {
             let mut new = Vec::new();
             for observation in group {
                 let known = self.numbers.get(&observation.landmark).copied();
-                innovations.push(known.map(|k| self.judge(k, observation, &mut rows)).transpose()?);
+                innovations
+                    .push(known.map(|k| self.evaluate(k, observation, &mut rows)).transpose()?);
                 if known.is_none() {
                     new.push((innovations.len() - 1, *observation));
                 }
@@ -125,8 +126,8 @@ impl LinearSlam {
         Ok(innovations)
     }
 
-    // ANCHOR: judge
-    fn judge(
+    // ANCHOR: evaluate
+    fn evaluate(
         &self,
         landmark: usize,
         observation: &RelativeObservation,
@@ -145,13 +146,13 @@ impl LinearSlam {
         }
         Ok(innovation)
     }
-    // ANCHOR_END: judge
+    // ANCHOR_END: evaluate
 
     /// An observation of a number that the state did not have when its group began.
     fn welcome(&mut self, observation: &RelativeObservation) -> Result<Option<Innovation<2>>> {
         if let Some(&landmark) = self.numbers.get(&observation.landmark) {
             let mut rows = Vec::with_capacity(2);
-            let innovation = self.judge(landmark, observation, &mut rows)?;
+            let innovation = self.evaluate(landmark, observation, &mut rows)?;
             if !rows.is_empty() {
                 self.state.correct(&rows, None)?;
             }

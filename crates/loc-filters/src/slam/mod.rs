@@ -51,12 +51,12 @@ use loc_sensors::landmark_camera::LandmarkObservation;
 /// its own, so that a map of thousands of landmarks goes with a horizon of 0.
 #[derive(Debug, Clone)]
 pub struct SlamLocalizer {
-    filter: DelayedFilter<Held>,
+    filter: DelayedFilter<LocalizerState>,
 }
 
 /// The filter at the stamp of its last input, with the velocity that it drives on with.
 #[derive(Debug, Clone)]
-struct Held {
+struct LocalizerState {
     slam: EkfSlam,
     stamp: f64,
     twist: Twist2,
@@ -82,8 +82,9 @@ impl SlamLocalizer {
         horizon: f64,
     ) -> Result<Self> {
         let stamp = loc_core::error::finite("start time [s]", stamp)?;
-        let held = Held { slam: EkfSlam::new(start, settings)?, stamp, twist: Twist2::ZERO };
-        Ok(SlamLocalizer { filter: DelayedFilter::new(held, horizon)? })
+        let state =
+            LocalizerState { slam: EkfSlam::new(start, settings)?, stamp, twist: Twist2::ZERO };
+        Ok(SlamLocalizer { filter: DelayedFilter::new(state, horizon)? })
     }
 
     /// The velocity from `stamp` \[s\] on.
@@ -113,14 +114,14 @@ impl SlamLocalizer {
     /// [`crate::Error::LostPositivity`].
     pub fn estimate(&self, stamp: f64) -> Result<Gaussian<3>> {
         loc_core::error::finite("stamp [s]", stamp)?;
-        let held = self.filter.at(stamp);
-        let pose = held.slam.pose()?;
-        if stamp <= held.stamp {
+        let state = self.filter.at(stamp);
+        let pose = state.slam.pose()?;
+        if stamp <= state.stamp {
             return Ok(pose);
         }
-        let SlamSettings { integration, motion_noise, .. } = held.slam.settings();
-        let dt = stamp - held.stamp;
-        Ok(loc_core::motion::dead_reckon(&pose, held.twist, dt, *integration, motion_noise))
+        let SlamSettings { integration, motion_noise, .. } = state.slam.settings();
+        let dt = stamp - state.stamp;
+        Ok(loc_core::motion::dead_reckon(&pose, state.twist, dt, *integration, motion_noise))
     }
 
     /// The landmarks after the newest input.
@@ -137,7 +138,7 @@ impl SlamLocalizer {
     }
 }
 
-impl Step for Held {
+impl Step for LocalizerState {
     type Input = Input;
     type Report = Vec<SlamOutcome>;
 
@@ -145,7 +146,7 @@ impl Step for Held {
         // Inputs from before the start belong to the start.
         let dt = (stamp - self.stamp).max(0.0);
         let before = self.clone();
-        match self.take(dt, input) {
+        match self.apply(dt, input) {
             Ok(outcomes) => Ok(outcomes),
             Err(error) => {
                 *self = before;
@@ -155,8 +156,8 @@ impl Step for Held {
     }
 }
 
-impl Held {
-    fn take(&mut self, dt: f64, input: &Input) -> Result<Vec<SlamOutcome>> {
+impl LocalizerState {
+    fn apply(&mut self, dt: f64, input: &Input) -> Result<Vec<SlamOutcome>> {
         self.slam.predict(self.twist, dt)?;
         self.stamp += dt;
         match input {

@@ -37,7 +37,7 @@ use crate::extended::LinearizedMotion;
 use crate::innovation::Factor;
 use crate::kalman::update::{propagate, wrapped};
 use crate::{Error, Result};
-use loc_core::{Error, Gaussian};
+use loc_core::Gaussian;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::fmt;
 use std::sync::Arc;
@@ -266,7 +266,7 @@ fn gain<const N: usize>(
     p: &SMatrix<f64, N, N>,
 ) -> Result<SMatrix<f64, N, N>> {
     if !p.iter().chain(cross.iter()).all(|value| value.is_finite()) {
-        return Err(Error::NotACovariance {
+        return Err(loc_core::Error::NotACovariance {
             what: "covariance of a prediction",
             expected: "symmetric positive semi-definite",
             found: format!("{p:?}"),

@@ -213,7 +213,7 @@ impl Particle {
             let id = self.next_number;
             self.next_number = id.wrapping_add(1);
             self.map.push(Mark::born(id, &place, knowledge.moment, &settings.map));
-            return Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Born });
+            return Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Initialized });
         }
         let id = seen.landmark;
         let Some(&slot) = knowledge.numbers.get(&id) else { return Ok(full) };
@@ -225,7 +225,7 @@ impl Particle {
             return Ok(outcome);
         }
         self.map.put(slot, Mark::born(id, &place, knowledge.moment, &settings.map));
-        Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Born })
+        Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Initialized })
     }
 
     /// Blames landmarks that should have been seen at this moment and were not, and removes those

@@ -92,7 +92,7 @@ fn a_landmark_is_averaged_by_hand() {
     let mut slam = slam(settings(1));
     assert!(slam.landmarks().unwrap().is_empty());
     let born = slam.correct(&[observation(3, 4.0, 0.0)]).unwrap();
-    assert_eq!((born[0].landmark, born[0].verdict), (Some(3), SlamVerdict::Born));
+    assert_eq!((born[0].landmark, born[0].verdict), (Some(3), SlamVerdict::Initialized));
     let first = slam.landmarks().unwrap()[0];
     // 0.1 m along the ray, 4 m times 0.05 rad across it.
     let [x, y] = [first.position.covariance.m11, first.position.covariance.m22];

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
-use window::{Carried, HEADING, Leg, Passed, Track, Window, pose_of};
+use window::{Carried, HEADING, MotionSegment, Track, Travelled, Window, pose_of};
 
 /// Variance of a heading of which nothing is known \[rad^2\].
 const NO_HEADING: f64 = PI * PI / 3.0;
@@ -61,15 +61,15 @@ pub struct SlidingLateration {
     map: Arc<LandmarkMap>,
     settings: SlidingSettings,
     track: Track,
-    window: VecDeque<Heard>,
+    window: VecDeque<BufferedRange>,
     fix: Option<Placed>,
     /// What was known at the start; it counts until the window is full.
     start: Option<(f64, Gaussian<3>)>,
 }
 
-/// A distance as it was heard.
+/// A measured distance in the window.
 #[derive(Debug, Clone, Copy)]
-struct Heard {
+struct BufferedRange {
     stamp: f64,
     landmark: Point2<f64>,
     distance: f64,
@@ -160,19 +160,19 @@ impl SlidingLateration {
         for observation in observations {
             observation.sight.check()?;
         }
-        let mut heard = Vec::with_capacity(observations.len());
+        let mut received = Vec::with_capacity(observations.len());
         for observation in observations {
-            heard.push(match (self.map.get(observation.landmark), observation.sight.range()) {
+            received.push(match (self.map.get(observation.landmark), observation.sight.range()) {
                 (None, _) => Err(RangeOutcome::UnknownLandmark),
                 (_, None) => Err(RangeOutcome::NoRange),
                 (Some(landmark), Some(distance)) => {
-                    Ok(Heard { stamp, landmark: landmark.position.xy(), distance })
+                    Ok(BufferedRange { stamp, landmark: landmark.position.xy(), distance })
                 }
             });
         }
-        for &heard in heard.iter().flatten() {
+        for &received in received.iter().flatten() {
             let place = self.window.partition_point(|other| other.stamp <= stamp);
-            self.window.insert(place, heard);
+            self.window.insert(place, received);
         }
         while self.window.len() > self.settings.window {
             self.window.pop_front();
@@ -180,17 +180,17 @@ impl SlidingLateration {
         }
         self.forget();
         let now = self.window.back().map_or(stamp, |last| last.stamp);
-        let solved = heard.iter().any(Result::is_ok).then(|| self.solve(now)).flatten();
-        let judge = |heard: &Heard| match &solved {
+        let solved = received.iter().any(Result::is_ok).then(|| self.solve(now)).flatten();
+        let judge = |received: &BufferedRange| match &solved {
             None => RangeOutcome::Waiting,
             Some((window, found)) => {
-                let passed = self.track.at(now);
-                let range = self.carried(heard, now, &passed, &passed);
+                let travelled = self.track.at(now);
+                let range = self.carried(received, now, &travelled, &travelled);
                 let fits = window.deviation(&range, &found.at).abs() <= FITS;
                 if fits { RangeOutcome::Fits } else { RangeOutcome::Off }
             }
         };
-        let outcomes = heard.iter().map(|heard| heard.as_ref().map_or_else(|e| *e, judge));
+        let outcomes = received.iter().map(|received| received.as_ref().map_or_else(|e| *e, judge));
         let outcomes = outcomes.collect();
         if let Some((_, found)) = &solved {
             self.settle(now, found);
@@ -240,42 +240,49 @@ impl SlidingLateration {
         belief
     }
 
-    /// A distance as seen from a later time, to which the robot has come by `passed`; `next` is how
+    /// A distance as seen from a later time, to which the robot has come by `travelled`; `next` is how
     /// far it had come at the distance after it.
-    fn carried(&self, heard: &Heard, now: f64, passed: &Passed, next: &Passed) -> Carried {
+    fn carried(
+        &self,
+        received: &BufferedRange,
+        now: f64,
+        travelled: &Travelled,
+        next: &Travelled,
+    ) -> Carried {
         let SlidingSettings { motion_noise: noise, antenna, .. } = &self.settings;
-        let then = self.track.at(heard.stamp);
-        let pose = passed.pose.between(then.pose);
+        let then = self.track.at(received.stamp);
+        let pose = travelled.pose.between(then.pose);
         let (sin, cos) = pose.theta.sin_cos();
-        let (leg_way, leg_turned) = (next.way - then.way, next.turned - then.turned);
-        let leg = Leg {
-            at: pose.position().coords,
+        let (length, turn) = (next.distance - then.distance, next.turned - then.turned);
+        let segment = MotionSegment {
+            start: pose.position().coords,
             ahead: Vector2::new(cos, sin),
-            along: noise.k_d * leg_way,
-            turn: noise.k_drift * leg_way + noise.k_theta * leg_turned,
+            along: noise.k_d * length,
+            turn: noise.k_drift * length + noise.k_theta * turn,
         };
-        let (way, turned) = (passed.way - then.way, passed.turned - then.turned);
+        let (distance_since, turned) =
+            (travelled.distance - then.distance, travelled.turned - then.turned);
         let antenna = pose.transform(antenna).coords;
-        let heading = noise.k_drift * way + noise.k_theta * turned;
-        let mut own_sigma = self.settings.range_noise.range_sigma_at(heard.distance);
+        let heading = noise.k_drift * distance_since + noise.k_theta * turned;
+        let mut own_sigma = self.settings.range_noise.range_sigma_at(received.distance);
         let mut variance = own_sigma * own_sigma;
         // The mean of a heading error that grows evenly, over a straight way.
-        variance += noise.k_d * way + heading * antenna.norm_squared() / 3.0;
+        variance += noise.k_d * distance_since + heading * antenna.norm_squared() / 3.0;
         if !self.settings.odometry {
-            variance += (self.settings.walk * (now - heard.stamp)).powi(2);
+            variance += (self.settings.walk * (now - received.stamp)).powi(2);
             own_sigma = variance.sqrt();
         }
-        let (landmark, distance) = (heard.landmark, heard.distance);
-        Carried { landmark, distance, sigma: variance.sqrt(), antenna, own_sigma, leg }
+        let (landmark, distance) = (received.landmark, received.distance);
+        Carried { landmark, distance, sigma: variance.sqrt(), antenna, own_sigma, segment }
     }
 
     /// The pose that fits the window best.
     fn solve(&self, now: f64) -> Option<(Window, Minimum)> {
-        let passed = self.track.at(now);
-        let next = self.window.iter().skip(1).map(|heard| self.track.at(heard.stamp));
-        let pairs = self.window.iter().zip(next.chain([passed]));
+        let travelled = self.track.at(now);
+        let next = self.window.iter().skip(1).map(|received| self.track.at(received.stamp));
+        let pairs = self.window.iter().zip(next.chain([travelled]));
         let ranges: Vec<Carried> =
-            pairs.map(|(heard, next)| self.carried(heard, now, &passed, &next)).collect();
+            pairs.map(|(received, next)| self.carried(received, now, &travelled, &next)).collect();
         let known = self.start.and_then(|(stamp, belief)| {
             let mut belief = self.carry(&belief, stamp, now);
             // A start that is certain would leave nothing to weigh.

@@ -14,26 +14,26 @@ use std::f64::consts::PI;
 /// Where the heading stands among the unknowns.
 pub(super) const HEADING: usize = 2;
 
-/// A distance with where it was measured, seen from where the robot is now.
+/// A past distance, carried by odometry into the robot frame of now.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Carried {
     pub(super) landmark: Point2<f64>,
     pub(super) distance: f64,
-    /// Standard deviation, the way since then included \[m\].
+    /// Standard deviation, that of the odometry since then included \[m\].
     pub(super) sigma: f64,
     /// The antenna then, in the robot's frame now \[m\].
     pub(super) antenna: Vector2<f64>,
     /// Standard deviation of the distance alone \[m\].
     pub(super) own_sigma: f64,
-    /// How far odometry may be off from then to the next distance.
-    pub(super) leg: Leg,
+    /// The motion from then to the next distance, with the variances of its odometry.
+    pub(super) segment: MotionSegment,
 }
 
-/// A piece of the way between two distances, seen from where the robot is now.
+/// The motion between two distances, in the robot frame of now.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Leg {
+pub(super) struct MotionSegment {
     /// The robot at its start \[m\].
-    pub(super) at: Vector2<f64>,
+    pub(super) start: Vector2<f64>,
     /// Its heading there, as a unit vector.
     pub(super) ahead: Vector2<f64>,
     /// Variance of its length \[m^2\].
@@ -79,9 +79,9 @@ impl Window {
             cos * range.antenna.x - sin * range.antenna.y,
             sin * range.antenna.x + cos * range.antenna.y,
         );
-        let way = Vector2::new(at[0], at[1]) + arm - range.landmark.coords;
-        let distance = way.norm();
-        let direction = way.try_normalize(0.0).unwrap_or_default();
+        let offset = Vector2::new(at[0], at[1]) + arm - range.landmark.coords;
+        let distance = offset.norm();
+        let direction = offset.try_normalize(0.0).unwrap_or_default();
         let by_heading = direction.y * arm.x - direction.x * arm.y;
         let gradient = Unknowns::from([
             bias.scale * direction.x,
@@ -98,8 +98,8 @@ impl Window {
     /// Direction of the distance's growth, in the robot's frame now.
     fn direction(range: &Carried, at: &Unknowns) -> Vector2<f64> {
         let turned = Rotation2::new(at[HEADING]);
-        let way = Vector2::new(at[0], at[1]) + turned * range.antenna - range.landmark.coords;
-        turned.inverse() * way.try_normalize(0.0).unwrap_or_default()
+        let offset = Vector2::new(at[0], at[1]) + turned * range.antenna - range.landmark.coords;
+        turned.inverse() * offset.try_normalize(0.0).unwrap_or_default()
     }
 }
 
@@ -123,8 +123,8 @@ impl Problem for Window {
         }
     }
 
-    /// An error of odometry on one leg moves all that was measured before it, and so does one of a
-    /// heading that is not found here.
+    /// An odometry error of one segment shifts all distances measured before it, and so does the
+    /// error of a heading that is not estimated here.
     fn shared_noise(&self, at: &Unknowns) -> Square {
         let mut noise = Square::zeros();
         let mut by_heading = Unknowns::zeros();
@@ -138,7 +138,7 @@ impl Problem for Window {
             by_shift += weighted * direction.transpose();
             by_heading += weighted * gradient[HEADING];
             by_turn += weighted * direction.dot(&across(range.antenna));
-            let Leg { at: pivot, ahead, along, turn } = range.leg;
+            let MotionSegment { start: pivot, ahead, along, turn } = range.segment;
             let shifted = by_shift * ahead;
             let turned = by_turn - by_shift * across(pivot);
             noise.ger(along, &shifted, &shifted, 1.0);
@@ -169,70 +169,69 @@ pub(super) fn pose_of(minimum: &Minimum) -> Gaussian<3> {
     }
 }
 
-// The way that odometry reports, as far back as it is needed.
-
 /// A velocity that holds from its stamp until the next one.
 #[derive(Debug, Clone, Copy)]
-struct Leg {
+struct VelocitySegment {
     stamp: f64,
     twist: Twist2,
-    /// Where it begins in the frame of the odometry.
-    at: Passed,
+    /// The motion up to its start.
+    start: Travelled,
 }
 
-/// How far the robot had come at some time.
+/// The accumulated motion of the odometry up to some time.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Passed {
+pub(super) struct Travelled {
     /// Its pose in the frame of the odometry.
     pub(super) pose: Pose2,
-    /// The way driven \[m\].
-    pub(super) way: f64,
-    /// All turning, whichever way round \[rad\].
+    /// The distance travelled \[m\].
+    pub(super) distance: f64,
+    /// The sum of all absolute turns \[rad\].
     pub(super) turned: f64,
 }
 
-/// Velocities in order of time, with the way that they add up to.
+/// The odometry of the recent past: velocities in order of time, integrated to a path.
 #[derive(Debug, Clone)]
 pub(super) struct Track {
-    legs: VecDeque<Leg>,
+    segments: VecDeque<VelocitySegment>,
     integration: Integration,
 }
 
 impl Track {
     /// Standing still at `stamp` \[s\].
     pub(super) fn new(stamp: f64, integration: Integration) -> Self {
-        let leg = Leg { stamp, twist: Twist2::ZERO, at: Passed::default() };
-        Track { legs: VecDeque::from([leg]), integration }
+        let segment = VelocitySegment { stamp, twist: Twist2::ZERO, start: Travelled::default() };
+        Track { segments: VecDeque::from([segment]), integration }
     }
 
     /// The first time that is remembered \[s\].
     pub(super) fn start(&self) -> f64 {
-        self.legs.front().map_or(f64::INFINITY, |leg| leg.stamp)
+        self.segments.front().map_or(f64::INFINITY, |segment| segment.stamp)
     }
 
     /// The last velocity's time \[s\].
     pub(super) fn end(&self) -> f64 {
-        self.legs.back().map_or(f64::NEG_INFINITY, |leg| leg.stamp)
+        self.segments.back().map_or(f64::NEG_INFINITY, |segment| segment.stamp)
     }
 
-    /// Puts a velocity where its time is, and moves all that comes after it.
+    /// Inserts a velocity by its stamp and integrates the later ones anew.
     pub(super) fn insert(&mut self, stamp: f64, twist: Twist2) {
         // One from before the first belongs to the first.
         let stamp = stamp.max(self.start());
-        let at = self.at(stamp);
-        let place = self.legs.partition_point(|leg| leg.stamp <= stamp);
-        self.legs.insert(place, Leg { stamp, twist, at });
-        for k in place + 1..self.legs.len() {
-            self.legs[k].at = self.legs[k - 1].after(self.legs[k].stamp, self.integration);
+        let start = self.at(stamp);
+        let place = self.segments.partition_point(|segment| segment.stamp <= stamp);
+        self.segments.insert(place, VelocitySegment { stamp, twist, start });
+        for k in place + 1..self.segments.len() {
+            self.segments[k].start =
+                self.segments[k - 1].after(self.segments[k].stamp, self.integration);
         }
     }
 
-    /// How far the robot had come at a time \[s\].
-    pub(super) fn at(&self, stamp: f64) -> Passed {
-        let next = self.legs.partition_point(|leg| leg.stamp <= stamp);
-        match self.legs.get(next.saturating_sub(1)) {
-            Some(leg) => leg.after(stamp, self.integration),
-            None => Passed::default(),
+    /// The motion up to a time \[s\].
+    pub(super) fn at(&self, stamp: f64) -> Travelled {
+        let next = self.segments.partition_point(|segment| segment.stamp <= stamp);
+        match self.segments.get(next.saturating_sub(1)) {
+            Some(segment) => segment.after(stamp, self.integration),
+            None => Travelled::default(),
         }
     }
 
@@ -244,12 +243,13 @@ impl Track {
         to: f64,
         noise: &VelocityNoise,
     ) -> Gaussian<3> {
-        let first = self.legs.partition_point(|leg| leg.stamp <= from).saturating_sub(1);
+        let first =
+            self.segments.partition_point(|segment| segment.stamp <= from).saturating_sub(1);
         let mut now = from;
-        for k in first..self.legs.len() {
-            let until = self.legs.get(k + 1).map_or(to, |next| next.stamp.min(to));
+        for k in first..self.segments.len() {
+            let until = self.segments.get(k + 1).map_or(to, |next| next.stamp.min(to));
             if until > now {
-                let twist = self.legs[k].twist;
+                let twist = self.segments[k].twist;
                 belief = dead_reckon(&belief, twist, until - now, self.integration, noise);
                 now = until;
             }
@@ -259,20 +259,20 @@ impl Track {
 
     /// Forgets velocities that no time from `stamp` \[s\] on needs.
     pub(super) fn forget_before(&mut self, stamp: f64) {
-        while self.legs.get(1).is_some_and(|second| second.stamp <= stamp) {
-            self.legs.pop_front();
+        while self.segments.get(1).is_some_and(|second| second.stamp <= stamp) {
+            self.segments.pop_front();
         }
     }
 }
 
-impl Leg {
-    /// How far the robot has come `stamp` \[s\] into this leg.
-    fn after(&self, stamp: f64, integration: Integration) -> Passed {
+impl VelocitySegment {
+    /// The motion up to `stamp` \[s\], a time within this segment.
+    fn after(&self, stamp: f64, integration: Integration) -> Travelled {
         let dt = (stamp - self.stamp).max(0.0);
-        Passed {
-            pose: integration.step(self.at.pose, self.twist, dt),
-            way: self.at.way + self.twist.speed() * dt,
-            turned: self.at.turned + self.twist.omega.abs() * dt,
+        Travelled {
+            pose: integration.step(self.start.pose, self.twist, dt),
+            distance: self.start.distance + self.twist.speed() * dt,
+            turned: self.start.turned + self.twist.omega.abs() * dt,
         }
     }
 }

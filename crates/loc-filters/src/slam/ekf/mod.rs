@@ -1,4 +1,9 @@
-//! EKF-SLAM with heading, distance and direction (I2, I3), numbered landmarks or not (I4).
+//! EKF-SLAM with heading, range and bearing (I2, I3), known or unknown data association (I4).
+//!
+//! This file holds the filter: prediction, correction, the model of an observation. `landmarks`
+//! holds what is stored of each landmark beside its position, and which of them are in the active
+//! submap; `observation` the types of single observations and their association; `settings` the
+//! settings and outcomes.
 
 mod landmarks;
 mod observation;
@@ -9,21 +14,45 @@ pub use settings::{
 };
 
 use super::state::{LargeState, MapState, Row};
+use crate::MeasurementModel;
 use crate::association::{AssociationSettings, Associator};
+use crate::landmark::RangeBearingModel;
 use crate::{Gate, Result};
-use landmarks::{Entry, Focus, Reach};
+use landmarks::{ActiveRegion, Entry, ViewExtent};
 use loc_core::gaussian::check_covariance;
 use loc_core::{Gaussian, Pose2, Twist2, angle};
-use loc_sensors::landmark_camera::LandmarkObservation;
-use nalgebra::{DMatrix, Matrix3, SMatrix, SVector};
-use observation::{Pairs, Place};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
+use nalgebra::{DMatrix, Matrix1, Matrix2, Matrix3, Point2, SMatrix, SVector, Vector1, Vector2};
+use observation::{LocatedObservation, ObservationPairs, PredictedObservation};
 use std::collections::BTreeMap;
+
+/// Number of the robot's states: x, y, theta, and the common errors of range and bearing.
+///
+/// Errors that all observations of one moment share last over time: a wrong camera scale makes every
+/// range too long, a late stamp shifts every bearing to one side during a turn. A filter that treats
+/// them as independent becomes overconfident; one with wider independent noise cannot separate two
+/// landmarks side by side. The filter therefore estimates the two common errors together with the
+/// pose, in standard deviations of an observation. They are a Gauss-Markov process with the time
+/// constant `tau`: `s' = e^(-dt/tau) s`, `var' = e^(-2 dt/tau) var + (1 - e^(-2 dt/tau)) share`.
+const NUMBERS: usize = 5;
+
+/// Index of the heading among the robot's states.
+const HEADING: usize = 2;
+
+/// Derivatives of a range and a bearing by the robot's states.
+type Matrix2x5 = SMatrix<f64, 2, NUMBERS>;
+
+type Square = SMatrix<f64, NUMBERS, NUMBERS>;
+
+/// The outcome of an observation that neither fits a landmark nor gives the position of a new one.
+const UNPLACEABLE: SlamOutcome = SlamOutcome { landmark: None, verdict: SlamVerdict::Unplaceable };
 
 /// Extended Kalman filter over the robot's pose (x, y, theta) \[m, m, rad\] and the positions of
 /// all landmarks seen so far \[m\], in the frame of the start.
 ///
-/// A landmark enters the state at its first observation, from the pose of that moment. All observations
-/// of one moment correct the state together, so that the covariance is read and written once.
+/// A landmark is initialized at its first observation, from the pose of that moment. All
+/// observations of one moment correct the state together, so that the covariance is read and
+/// written once.
 #[derive(Debug, Clone)]
 pub struct EkfSlam {
     state: MapState<NUMBERS>,
@@ -32,30 +61,30 @@ pub struct EkfSlam {
     new_landmark_gate: f64,
     distinct_gate: f64,
     associator: Associator,
-    /// The one that finds landmarks which are in the map twice.
+    /// Finds landmarks that are in the map twice.
     merger: Associator,
-    /// What is known of each landmark beside its position, in the order of the state.
+    /// What is stored of each landmark beside its position, in the order of the state.
     entries: Vec<Entry>,
-    /// Index of each number.
+    /// From the number of a landmark to its index in the state.
     numbers: BTreeMap<u32, usize>,
     next_number: u32,
-    /// The pose before the corrections of this moment: the first estimate of it.
-    anchor: Pose2,
-    reach: Reach,
+    /// The first estimate of the current pose: that before its corrections.
+    first_pose: Pose2,
+    view: ViewExtent,
     /// Whether a landmark has lost some of its score.
-    doubted: bool,
-    focus: Option<Focus>,
+    score_lowered: bool,
+    region: Option<ActiveRegion>,
 }
 
 impl EkfSlam {
     /// A filter without landmarks, from a belief over (x, y, theta). The start may be certain:
-    /// then it is the origin that the map is drawn from.
+    /// it is then the origin of the map.
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief or settings that are not valid.
     pub fn new(start: Gaussian<3>, settings: SlamSettings) -> Result<Self> {
         settings.check()?;
-        let mut state = start(&start, &settings)?;
+        let mut state = initial_state(&start, &settings)?;
         state.robot_mut()[HEADING] = loc_core::angle::wrap(start.mean.z);
         Ok(EkfSlam {
             state: MapState::new(state),
@@ -68,10 +97,10 @@ impl EkfSlam {
             entries: Vec::new(),
             numbers: BTreeMap::new(),
             next_number: 0,
-            anchor: start.pose(),
-            reach: Reach::default(),
-            doubted: false,
-            focus: None,
+            first_pose: start.pose(),
+            view: ViewExtent::default(),
+            score_lowered: false,
+            region: None,
         })
     }
 
@@ -85,32 +114,7 @@ impl EkfSlam {
         self.state.robot_state().step()
     }
 
-    /// Drives on with velocity `twist` for `dt` \[s\]: `S' = F S F^T + F_u S_u F_u^T`, which
-    /// touches the robot's rows only.
-    ///
-    /// # Errors
-    /// [`crate::Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative time,
-    /// [`crate::Error::LostPositivity`] where the covariance grows beyond all numbers.
-    pub fn predict(&mut self, twist: Twist2, dt: f64) -> Result<()> {
-        crate::innovation::finite("velocity", &twist.to_vector())?;
-        loc_core::error::non_negative("time step [s]", dt)?;
-        let SlamSettings { integration, motion_noise, .. } = self.settings;
-        let pose = self.robot_pose();
-        let (moved, jacobians) = integration.step_with_jacobians(pose, twist, dt);
-        let (mut f, by_twist) = (jacobians.by_pose, jacobians.by_twist);
-        if self.settings.jacobians == Jacobians::First {
-            // From first estimate to first estimate, whatever was corrected between.
-            f[(0, 2)] = -(moved.y - self.anchor.y);
-            f[(1, 2)] = moved.x - self.anchor.x;
-        }
-        let noise = by_twist * motion_noise.covariance(twist, dt) * by_twist.transpose();
-        let (moved_state, f, noise) = self.with_common_errors(moved, &f, &noise, dt);
-        self.state.propagate(moved_state, &f, &noise)?;
-        self.anchor = moved;
-        Ok(())
-    }
-
-    /// What the filter believes about the robot's pose.
+    /// The estimate of the robot's pose with its covariance.
     ///
     /// # Errors
     /// [`crate::Error::LostPositivity`] for a covariance that is none, with the step.
@@ -118,43 +122,8 @@ impl EkfSlam {
         let mean = self.state.robot().fixed_rows::<3>(0).into_owned();
         let covariance = self.state.robot_covariance().fixed_view::<3, 3>(0, 0).into_owned();
         check_covariance("covariance of the robot", &covariance)
-            .map_err(|error| self.state.robot_state().blamed(error))?;
+            .map_err(|error| self.state.robot_state().state_error(error))?;
         Ok(Gaussian { mean, covariance })
-    }
-
-    /// Number of landmarks in the state, provisional ones included.
-    pub fn len(&self) -> usize {
-        self.entries.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
-    }
-
-    /// The landmarks in the order of the state.
-    ///
-    /// # Errors
-    /// [`crate::Error::LostPositivity`] where the covariance of one is none.
-    pub fn landmarks(&self) -> Result<Vec<MapLandmark>> {
-        (0..self.entries.len()).map(|index| self.describe(index)).collect()
-    }
-
-    /// The landmark with a number.
-    ///
-    /// # Errors
-    /// [`crate::Error::LostPositivity`] where its covariance is none.
-    pub fn landmark(&self, id: u32) -> Result<Option<MapLandmark>> {
-        self.numbers.get(&id).map(|&index| self.describe(index)).transpose()
-    }
-
-    fn describe(&self, index: usize) -> Result<MapLandmark> {
-        let Entry { id, observations, confirmed, .. } = self.entries[index];
-        let (position, covariance) = self.state.landmark(index);
-        check_covariance("covariance of a landmark", &covariance)
-            .map_err(|error| self.state.robot_state().blamed(error))?;
-        let position = Gaussian { mean: position.coords, covariance };
-        Ok(MapLandmark { id, position, observations, confirmed })
     }
 
     /// The whole covariance, (3 + 2 n) x (3 + 2 n): x, y, theta of the robot, then x, y of one
@@ -168,193 +137,32 @@ impl EkfSlam {
         Ok(whole.remove_rows(3, NUMBERS - 3).remove_columns(3, NUMBERS - 3))
     }
 
-    /// Corrects with all observations of one moment, any number of them, and says what became of each.
-    ///
-    /// LandmarkObservations are taken in groups of [`AssociationSettings::GROUP`]. Those of one group are
-    /// linearised at the same state, gated one by one, and those believed correct the state in one
-    /// pass over the covariance. Numbered observations of landmarks that are not in the state yet,
-    /// and others that fit none, put new ones into it after that.
+    /// Prediction with velocity `twist` for `dt` \[s\]: `S' = F S F^T + F_u S_u F_u^T`, which
+    /// touches the robot's rows only.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for an observation that is not finite or has a negative range:
-    /// none is then used. [`crate::Error::LostPositivity`], with the step: the filter cannot go on.
-    pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<SlamOutcome>> {
-        for observation in observations {
-            observation.sight.check()?;
+    /// [`crate::Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative time,
+    /// [`crate::Error::LostPositivity`] where the covariance grows beyond all numbers.
+    pub fn predict(&mut self, twist: Twist2, dt: f64) -> Result<()> {
+        crate::innovation::finite("velocity", &twist.to_vector())?;
+        loc_core::error::non_negative("time step [s]", dt)?;
+        let SlamSettings { integration, motion_noise, .. } = self.settings;
+        let pose = self.robot_pose();
+        let (moved, jacobians) = integration.step_with_jacobians(pose, twist, dt);
+        let (mut f, by_twist) = (jacobians.by_pose, jacobians.by_twist);
+        if self.settings.jacobians == Jacobians::First {
+            // From first estimate to first estimate, without the corrections in between.
+            f[(0, 2)] = -(moved.y - self.first_pose.y);
+            f[(1, 2)] = moved.x - self.first_pose.x;
         }
-        let mut outcomes = Vec::with_capacity(observations.len());
-        let mut budget = self.settings.association.search_limit;
-        for group in observations.chunks(AssociationSettings::GROUP) {
-            self.refocus(group)?;
-            match self.settings.identities {
-                Identities::Known => self.correct_numbered(group, &mut outcomes)?,
-                Identities::Unknown => {
-                    self.correct_unnumbered(group, &mut budget, &mut outcomes)?;
-                }
-            }
-        }
-        if self.settings.identities == Identities::Unknown && !observations.is_empty() {
-            let mut seen = vec![false; self.entries.len()];
-            for id in outcomes.iter().filter_map(|outcome| outcome.landmark) {
-                self.numbers.get(&id).into_iter().for_each(|&landmark| seen[landmark] = true);
-            }
-            self.tidy(&seen)?;
-            self.merge(&mut outcomes)?;
-        }
-        Ok(outcomes)
-    }
-
-    fn correct_numbered(
-        &mut self,
-        group: &[LandmarkObservation],
-        outcomes: &mut Vec<SlamOutcome>,
-    ) -> Result<()> {
-        let first = outcomes.len();
-        let mut rows = Vec::with_capacity(2 * group.len());
-        let mut new = Vec::new();
-        for (k, observation) in group.iter().enumerate() {
-            outcomes.push(match self.numbers.get(&observation.landmark) {
-                Some(&landmark) => {
-                    self.judge(landmark, observation.sight, &self.gate, &mut rows)?
-                }
-                None => {
-                    new.push(k);
-                    UNPLACEABLE
-                }
-            });
-        }
-        self.apply(&rows)?;
-        for outcome in &outcomes[first..] {
-            if let Some(id) = outcome.landmark {
-                self.credit(id, outcome.accepted());
-            }
-        }
-        for k in new {
-            outcomes[first + k] = self.welcome(&group[k])?;
-        }
-        self.remove_false()
-    }
-
-    /// An observation of a number that the state did not have when its group began.
-    fn welcome(&mut self, observation: &LandmarkObservation) -> Result<SlamOutcome> {
-        let id = observation.landmark;
-        let Some(&landmark) = self.numbers.get(&id) else {
-            return match self.place(observation) {
-                Some(place) => self.enter(id, &place),
-                None => Ok(UNPLACEABLE),
-            };
-        };
-        // It was born a moment ago, by another observation of the same group.
-        let mut rows = Vec::with_capacity(2);
-        let outcome = self.judge(landmark, observation.sight, &self.gate, &mut rows)?;
-        self.apply(&rows)?;
-        self.credit(id, outcome.accepted());
-        Ok(outcome)
-    }
-
-    fn correct_unnumbered(
-        &mut self,
-        group: &[LandmarkObservation],
-        budget: &mut usize,
-        outcomes: &mut Vec<SlamOutcome>,
-    ) -> Result<()> {
-        let places: Vec<Option<Place>> = group.iter().map(|seen| self.place(seen)).collect();
-        let placed: Vec<Place> = places.iter().flatten().copied().collect();
-        placed.iter().for_each(|place| self.reach.include(place));
-        let pairs = Pairs::new(self, &placed);
-        let association = self.associator.associate_within(&pairs, budget);
-        let association = association.map_err(|error| self.state.robot_state().blamed(error))?;
-        let telling: Vec<bool> = (0..placed.len()).map(|k| pairs.is_telling(k)).collect();
-        let mut rows = Vec::with_capacity(2 * placed.len());
-        let mut found = vec![UNPLACEABLE; group.len()];
-        let mut new = Vec::new();
-        let mut taken: Vec<usize> = association.partners.iter().flatten().copied().collect();
-        taken.sort_unstable();
-        let placed = (0..group.len()).filter(|&k| places[k].is_some());
-        for (observation, k) in placed.enumerate() {
-            // Of one moment a landmark has one observation: what stands beside one that was seen is new.
-            let nis = pairs.nearest_free(observation, &taken);
-            match association.partners[observation] {
-                Some(landmark) => {
-                    found[k] = self.judge(landmark, group[k].sight, &self.gate, &mut rows)?;
-                }
-                None if nis > self.new_landmark_gate || !telling[observation] => new.push(k),
-                None => found[k].verdict = SlamVerdict::Ambiguous(nis),
-            }
-        }
-        self.apply(&rows)?;
-        for outcome in &found {
-            if let Some(id) = outcome.landmark {
-                self.credit(id, outcome.accepted());
-            }
-        }
-        let known = self.entries.len();
-        for k in new {
-            found[k] = self.welcome_unnumbered(
-                &group[k],
-                taken.iter().copied().chain(known..self.entries.len()),
-            )?;
-        }
-        outcomes.extend(found);
+        let noise = by_twist * motion_noise.covariance(twist, dt) * by_twist.transpose();
+        let (moved_state, f, noise) = self.with_common_errors(moved, &f, &noise, dt);
+        self.state.propagate(moved_state, &f, &noise)?;
+        self.first_pose = moved;
         Ok(())
     }
 
-    /// An observation that fits none of the landmarks but, perhaps, those that others of its group were
-    /// of or gave birth to: something new stands apart from these too.
-    fn welcome_unnumbered(
-        &mut self,
-        observation: &LandmarkObservation,
-        beside: impl Iterator<Item = usize>,
-    ) -> Result<SlamOutcome> {
-        // From the corrected pose.
-        let Some(place) = self.place(observation) else { return Ok(UNPLACEABLE) };
-        let mut nearest = f64::INFINITY;
-        for landmark in beside {
-            let outcome = self.judge(landmark, observation.sight, &self.gate, &mut Vec::new())?;
-            nearest = nearest.min(outcome.nis().unwrap_or(f64::INFINITY));
-        }
-        if nearest <= self.distinct_gate {
-            return Ok(SlamOutcome { landmark: None, verdict: SlamVerdict::Ambiguous(nearest) });
-        }
-        self.enter(self.next_number, &place)
-    }
-
-    /// Puts a new landmark into the state, if there is room.
-    fn enter(&mut self, id: u32, place: &Place) -> Result<SlamOutcome> {
-        if self.entries.len() >= self.settings.map.max_landmarks {
-            return Ok(SlamOutcome { landmark: None, verdict: SlamVerdict::MapFull });
-        }
-        self.give_birth(id, place)?;
-        Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Born })
-    }
-
-    fn credit(&mut self, id: u32, accepted: bool) {
-        if let Some(&landmark) = self.numbers.get(&id) {
-            if accepted {
-                self.praise(landmark);
-            } else {
-                self.blame(landmark, self.settings.map.contradiction_cost);
-            }
-        }
-    }
-
-    fn apply(&mut self, rows: &[Row<NUMBERS>]) -> Result<()> {
-        if !rows.is_empty() {
-            let invariant = self.settings.jacobians == Jacobians::Invariant;
-            self.state.correct(rows, invariant.then_some(HEADING))?;
-            let robot = self.state.robot_mut();
-            robot[HEADING] = angle::wrap(robot[HEADING]);
-        }
-        Ok(())
-    }
-
-    /// The estimate of the robot's pose.
-    fn robot_pose(&self) -> Pose2 {
-        Pose2::from_vector(&self.state.robot().fixed_rows::<3>(0).into_owned())
-    }
-
-    /// The motion of all numbers of the robot, from that of its pose: where to, by what derivatives,
-    /// with what noise.
+    /// The motion of all of the robot's states, from that of its pose: state, Jacobian, noise.
     fn with_common_errors(
         &self,
         moved: Pose2,
@@ -372,42 +180,305 @@ impl EkfSlam {
         (state, by_state, noise)
     }
 
-    /// A distance and a direction without the common errors, as far as these are known.
+    /// Correction with all observations of one moment, any number of them; returns an outcome for each.
+    ///
+    /// Observations are processed in groups of [`AssociationSettings::GROUP`]. Those of one group are
+    /// linearised at the same state and gated one by one; the accepted ones correct the state in one
+    /// pass over the covariance. Then new landmarks are initialized: from observations with a number
+    /// that the state does not have, or, with unknown association, that fit no landmark.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for an observation that is not finite or has a negative range:
+    /// none is then used. [`crate::Error::LostPositivity`], with the step: the filter cannot go on.
+    pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<SlamOutcome>> {
+        for observation in observations {
+            observation.sight.check()?;
+        }
+        let mut outcomes = Vec::with_capacity(observations.len());
+        let mut budget = self.settings.association.search_limit;
+        for group in observations.chunks(AssociationSettings::GROUP) {
+            self.update_submap(group)?;
+            match self.settings.identities {
+                Identities::Known => self.correct_known(group, &mut outcomes)?,
+                Identities::Unknown => {
+                    self.correct_unknown(group, &mut budget, &mut outcomes)?;
+                }
+            }
+        }
+        if self.settings.identities == Identities::Unknown && !observations.is_empty() {
+            let mut seen = vec![false; self.entries.len()];
+            for id in outcomes.iter().filter_map(|outcome| outcome.landmark) {
+                self.numbers.get(&id).into_iter().for_each(|&landmark| seen[landmark] = true);
+            }
+            self.score_missed(&seen)?;
+            self.merge(&mut outcomes)?;
+        }
+        Ok(outcomes)
+    }
+
+    fn correct_known(
+        &mut self,
+        group: &[LandmarkObservation],
+        outcomes: &mut Vec<SlamOutcome>,
+    ) -> Result<()> {
+        let first = outcomes.len();
+        let mut rows = Vec::with_capacity(2 * group.len());
+        let mut new = Vec::new();
+        for (k, observation) in group.iter().enumerate() {
+            outcomes.push(match self.numbers.get(&observation.landmark) {
+                Some(&landmark) => {
+                    self.evaluate(landmark, observation.sight, &self.gate, &mut rows)?
+                }
+                None => {
+                    new.push(k);
+                    UNPLACEABLE
+                }
+            });
+        }
+        self.apply(&rows)?;
+        for outcome in &outcomes[first..] {
+            if let Some(id) = outcome.landmark {
+                self.update_score(id, outcome.accepted());
+            }
+        }
+        for k in new {
+            outcomes[first + k] = self.add_new(&group[k])?;
+        }
+        self.remove_unsupported()
+    }
+
+    /// Processes an observation of a number that the state did not have when its group began.
+    fn add_new(&mut self, observation: &LandmarkObservation) -> Result<SlamOutcome> {
+        let id = observation.landmark;
+        let Some(&landmark) = self.numbers.get(&id) else {
+            return match self.locate(observation) {
+                Some(located) => self.add_landmark(id, &located),
+                None => Ok(UNPLACEABLE),
+            };
+        };
+        // It was initialized by an earlier observation of the same group.
+        let mut rows = Vec::with_capacity(2);
+        let outcome = self.evaluate(landmark, observation.sight, &self.gate, &mut rows)?;
+        self.apply(&rows)?;
+        self.update_score(id, outcome.accepted());
+        Ok(outcome)
+    }
+
+    fn correct_unknown(
+        &mut self,
+        group: &[LandmarkObservation],
+        budget: &mut usize,
+        outcomes: &mut Vec<SlamOutcome>,
+    ) -> Result<()> {
+        let located: Vec<Option<LocatedObservation>> =
+            group.iter().map(|seen| self.locate(seen)).collect();
+        let usable: Vec<LocatedObservation> = located.iter().flatten().copied().collect();
+        usable.iter().for_each(|located| self.view.include(located));
+        let pairs = ObservationPairs::new(self, &usable);
+        let association = self.associator.associate_within(&pairs, budget);
+        let association =
+            association.map_err(|error| self.state.robot_state().state_error(error))?;
+        let distinctive: Vec<bool> = (0..usable.len()).map(|k| pairs.is_distinctive(k)).collect();
+        let mut rows = Vec::with_capacity(2 * usable.len());
+        let mut found = vec![UNPLACEABLE; group.len()];
+        let mut new = Vec::new();
+        let mut taken: Vec<usize> = association.partners.iter().flatten().copied().collect();
+        taken.sort_unstable();
+        let usable = (0..group.len()).filter(|&k| located[k].is_some());
+        for (observation, k) in usable.enumerate() {
+            // A landmark is observed once per moment: a second observation beside it is of a new one.
+            let nis = pairs.nearest_free(observation, &taken);
+            match association.partners[observation] {
+                Some(landmark) => {
+                    found[k] = self.evaluate(landmark, group[k].sight, &self.gate, &mut rows)?;
+                }
+                None if nis > self.new_landmark_gate || !distinctive[observation] => new.push(k),
+                None => found[k].verdict = SlamVerdict::Ambiguous(nis),
+            }
+        }
+        self.apply(&rows)?;
+        for outcome in &found {
+            if let Some(id) = outcome.landmark {
+                self.update_score(id, outcome.accepted());
+            }
+        }
+        let known = self.entries.len();
+        for k in new {
+            found[k] = self.add_new_unidentified(
+                &group[k],
+                taken.iter().copied().chain(known..self.entries.len()),
+            )?;
+        }
+        outcomes.extend(found);
+        Ok(())
+    }
+
+    /// Processes an observation that fits no landmark except, perhaps, those that other observations
+    /// of its group were associated with or initialized: a new landmark must be apart from these too.
+    fn add_new_unidentified(
+        &mut self,
+        observation: &LandmarkObservation,
+        beside: impl Iterator<Item = usize>,
+    ) -> Result<SlamOutcome> {
+        // From the corrected pose.
+        let Some(located) = self.locate(observation) else { return Ok(UNPLACEABLE) };
+        let mut nearest = f64::INFINITY;
+        for landmark in beside {
+            let outcome =
+                self.evaluate(landmark, observation.sight, &self.gate, &mut Vec::new())?;
+            nearest = nearest.min(outcome.nis().unwrap_or(f64::INFINITY));
+        }
+        if nearest <= self.distinct_gate {
+            return Ok(SlamOutcome { landmark: None, verdict: SlamVerdict::Ambiguous(nearest) });
+        }
+        self.add_landmark(self.next_number, &located)
+    }
+
+    /// Adds a new landmark to the state, unless the map is full.
+    fn add_landmark(&mut self, id: u32, located: &LocatedObservation) -> Result<SlamOutcome> {
+        if self.entries.len() >= self.settings.map.max_landmarks {
+            return Ok(SlamOutcome { landmark: None, verdict: SlamVerdict::MapFull });
+        }
+        self.initialize_landmark(id, located)?;
+        Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Initialized })
+    }
+
+    fn update_score(&mut self, id: u32, accepted: bool) {
+        if let Some(&landmark) = self.numbers.get(&id) {
+            if accepted {
+                self.raise_score(landmark);
+            } else {
+                self.lower_score(landmark, self.settings.map.contradiction_cost);
+            }
+        }
+    }
+
+    fn apply(&mut self, rows: &[Row<NUMBERS>]) -> Result<()> {
+        if !rows.is_empty() {
+            let invariant = self.settings.jacobians == Jacobians::Invariant;
+            self.state.correct(rows, invariant.then_some(HEADING))?;
+            let robot = self.state.robot_mut();
+            robot[HEADING] = angle::wrap(robot[HEADING]);
+        }
+        Ok(())
+    }
+
+    /// Gates an observation of a landmark; if it is accepted, its rows are appended to `rows`.
+    fn evaluate(
+        &self,
+        landmark: usize,
+        sight: Observed,
+        gate: &Gate,
+        rows: &mut Vec<Row<NUMBERS>>,
+    ) -> Result<SlamOutcome> {
+        let (range, bearing) = (sight.range().unwrap_or(0.0), sight.bearing().unwrap_or(0.0));
+        let prediction = self.prediction(landmark, range, bearing);
+        let covariance = self.innovation_covariance(&prediction);
+        let one = |k: usize| {
+            let residual = Vector1::new(prediction.residual[k]);
+            self.state.robot_state().innovation(residual, Matrix1::new(covariance[(k, k)]), gate)
+        };
+        let verdict = match sight {
+            Observed::RangeBearing { .. } => SlamVerdict::RangeBearing(
+                self.state.robot_state().innovation(prediction.residual, covariance, gate)?,
+            ),
+            Observed::Range { .. } => SlamVerdict::Range(one(0)?),
+            Observed::Bearing { .. } => SlamVerdict::Bearing(one(1)?),
+        };
+        let outcome = SlamOutcome { landmark: Some(self.entries[landmark].id), verdict };
+        if outcome.accepted() {
+            let measured = [sight.range().is_some(), sight.bearing().is_some()];
+            rows.extend([0, 1].into_iter().filter(|&k| measured[k]).map(|k| prediction.row(k)));
+        }
+        Ok(outcome)
+    }
+
+    /// Linearises the observation of a landmark, with the residual of a range and a bearing. Of the two,
+    /// one that is not measured may be any number.
+    fn prediction(
+        &self,
+        landmark: usize,
+        range: f64,
+        bearing: f64,
+    ) -> PredictedObservation {
+        let seen = Vector2::new(range, bearing);
+        let share = self.settings.common_share;
+        let model = self.model(self.state.position(landmark));
+        let robot = self.state.robot();
+        match self.settings.jacobians {
+            Jacobians::Current | Jacobians::Invariant => {
+                PredictedObservation::new(landmark, &model, robot, seen, share)
+            }
+            Jacobians::First => {
+                let mut prediction =
+                    PredictedObservation::new(landmark, &model, robot, seen, share);
+                let first = self.model(self.entries[landmark].first);
+                prediction.linearize(&first.jacobian(&self.first_pose.to_vector()));
+                prediction
+            }
+        }
+    }
+
+    fn model(&self, landmark: Point2<f64>) -> RangeBearingModel {
+        let (mounting, noise) = (self.settings.mounting, self.settings.observation_noise);
+        RangeBearingModel { landmark, mounting, noise }
+    }
+
+    /// `H_a P H_b^T` of two predictions.
+    // ANCHOR: covariance-between
+    fn covariance_between(
+        &self,
+        a: &PredictedObservation,
+        b: &PredictedObservation,
+    ) -> Matrix2<f64> {
+        let robot = self.state.robot_covariance();
+        let (with_a, with_b) = (self.state.cross(a.landmark), self.state.cross(b.landmark));
+        let map = self.state.block(a.landmark, b.landmark);
+        a.by_robot * (robot * b.by_robot.transpose() + with_b * b.by_landmark.transpose())
+            + a.by_landmark
+                * (with_a.transpose() * b.by_robot.transpose() + map * b.by_landmark.transpose())
+    }
+    // ANCHOR_END: covariance-between
+
+    /// The covariance of a prediction's innovation.
+    fn innovation_covariance(&self, prediction: &PredictedObservation) -> Matrix2<f64> {
+        self.covariance_between(prediction, prediction) + prediction.noise
+    }
+
+    /// The position of a landmark that an observation gives at the estimated pose \[m\]; `None` without
+    /// a range or a bearing.
+    fn locate(&self, observation: &LandmarkObservation) -> Option<LocatedObservation> {
+        let Observed::RangeBearing { range, bearing } = observation.sight else { return None };
+        if range < LocatedObservation::NEAREST {
+            return None;
+        }
+        let camera = self.robot_pose() * self.settings.mounting;
+        let (true_range, true_bearing) = self.without_common_errors(range, bearing);
+        let (sin, cos) = true_bearing.sin_cos();
+        let position = camera.transform(&Point2::new(true_range * cos, true_range * sin));
+        Some(LocatedObservation {
+            range,
+            bearing,
+            direction: camera.theta + true_bearing,
+            position,
+        })
+    }
+
+    /// A range and a bearing minus the estimated common errors.
     fn without_common_errors(&self, range: f64, bearing: f64) -> (f64, f64) {
         let (robot, noise) = (self.state.robot(), self.settings.observation_noise);
         let range = (range - robot[3] * noise.range_sigma_at(range)).max(0.0);
         (range, bearing - robot[4] * noise.bearing_sigma)
     }
+
+    /// The estimate of the robot's pose.
+    fn robot_pose(&self) -> Pose2 {
+        Pose2::from_vector(&self.state.robot().fixed_rows::<3>(0).into_owned())
+    }
 }
 
-// The correction: observations find their landmarks, and all of them correct the state together.
-
-/// What an observation is until something better is known of it.
-const UNPLACEABLE: SlamOutcome = SlamOutcome { landmark: None, verdict: SlamVerdict::Unplaceable };
-
-// Errors that observations of one moment have in common.
-//
-// A camera whose scale is off sees everything too far away, and one whose images come late sees
-// everything to the same side in a turn. Such errors last; a filter that takes each observation for
-// a new witness believes them after a while, and one that is told of wide noise instead cannot tell
-// two landmarks apart that stand side by side. So the filter keeps the two common errors, of
-// distance and of direction, beside the pose, counted in standard deviations of an observation. They
-// fade with a time constant `tau` while new ones come (a Gauss-Markov process):
-// `s' = e^(-dt/tau) s`, `var' = e^(-2 dt/tau) var + (1 - e^(-2 dt/tau)) share`.
-
-/// The robot's numbers: x, y, theta, and the common errors of distance and direction.
-const NUMBERS: usize = 5;
-
-/// Index of the robot's heading among its numbers.
-const HEADING: usize = 2;
-
-/// Derivatives of two numbers over those of the robot.
-type Matrix2x5 = SMatrix<f64, 2, NUMBERS>;
-
-type Square = SMatrix<f64, NUMBERS, NUMBERS>;
-
 /// The state without a map, from a belief over the pose.
-fn start(pose: &Gaussian<3>, settings: &SlamSettings) -> Result<LargeState<NUMBERS>> {
+fn initial_state(pose: &Gaussian<3>, settings: &SlamSettings) -> Result<LargeState<NUMBERS>> {
     let mut covariance = Square::identity() * settings.common_share;
     covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&pose.covariance);
     let mut mean = SVector::<f64, NUMBERS>::zeros();

@@ -1,4 +1,4 @@
-//! The settings of EKF-SLAM.
+//! Settings and outcomes of EKF-SLAM.
 
 use crate::association::{AssociationSettings, Associator};
 use crate::{Gate, Innovation, Result};
@@ -7,15 +7,15 @@ use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::{Gaussian, Pose2};
 use loc_sensors::landmark_camera::LandmarkNoise;
 
-/// Where the numbers of landmarks come from.
+/// Whether the association of observations with landmarks is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Identities {
-    /// They are read off the landmarks (I2, I3).
+    /// Known: observations carry the numbers of their landmarks (I2, I3).
     #[default]
     Known,
-    /// They mean nothing: the filter finds out itself which landmark was seen (I4).
+    /// Unknown: the numbers are ignored, the filter associates observations itself (I4).
     Unknown,
 }
 
@@ -25,19 +25,19 @@ pub enum Identities {
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Jacobians {
     /// At the current estimate, with the errors of all positions counted as they turn with the
-    /// heading: the invariant filter (Barrau and Bonnabel 2015; Zhang et al. 2017). Which way north
-    /// is stays unobserved, as it is, and large errors of the heading do no harm.
+    /// heading: the invariant filter (Barrau and Bonnabel 2015; Zhang et al. 2017). The
+    /// absolute heading stays unobservable, as it should, and large heading errors do no harm.
     #[default]
     Invariant,
-    /// At the current estimate, as the textbook has it. A filter that linearises the same landmark
-    /// at several places believes that it has learned which way north is, which nobody can tell it.
+    /// At the current estimate, as in the textbook. A filter that linearises the same landmark in
+    /// several places gains false information on the absolute heading, which is not observable.
     Current,
     /// At the first estimate of each pose and landmark (Huang, Mourikis and Roumeliotis 2008),
-    /// which leaves what cannot be observed unobserved, and is as good as the first estimates are.
+    /// which keeps the unobservable directions, and is as good as the first estimates are.
     First,
 }
 
-/// What becomes of landmarks in the map.
+/// How landmarks are confirmed, merged and removed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -84,7 +84,7 @@ impl Default for MapSettings {
     }
 }
 
-/// All that EKF-SLAM can be told, with defaults that serve a small indoor robot.
+/// Settings of EKF-SLAM, with defaults for a small indoor robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -96,8 +96,8 @@ pub struct SlamSettings {
     /// How far observations may be off.
     pub observation_noise: LandmarkNoise,
     /// Share of the variance of observations that those of one moment have in common, below 1: the
-    /// error of a scale that is off, or of a stamp that is late in a turn. LandmarkObservations are then held
-    /// against each other more sharply than against the robot.
+    /// error of a scale that is off, or of a stamp that is late in a turn. Observations are then compared
+    /// with each other more sharply than with the pose.
     pub common_share: f64,
     /// How long that error lasts \[s\]: after so much time 1/e of it is left.
     pub common_time: f64,
@@ -111,11 +111,10 @@ pub struct SlamSettings {
     pub association: AssociationSettings,
     /// Where the models are linearised.
     pub jacobians: Jacobians,
-    /// What becomes of landmarks in the map.
+    /// How landmarks are confirmed, merged and removed.
     pub map: MapSettings,
-    /// Where given, the filter works on the landmarks within this radius \[m\] alone, and carries
-    /// to the others what they are owed when the robot leaves (Guivant and Nebot 2001): the same
-    /// result, at a cost that follows the landmarks nearby. Best at twice the camera's range.
+    /// If given, the filter updates only the landmarks within this radius \[m\], and applies the
+    /// pending updates of the others when the robot leaves (Guivant and Nebot 2001): the same result, at a cost that follows the landmarks nearby. Best at twice the camera's range.
     pub submap_radius: Option<f64>,
 }
 
@@ -195,36 +194,34 @@ impl SlamSettings {
     }
 }
 
-// What became of an observation, and what the map holds.
-
-/// An observation's landmark and what the filter made of it.
+/// The landmark of an observation, and what was done with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlamOutcome {
     /// Number of the landmark in the map: as it was read, or as the filter gave it. `None` for a
     /// observation that it found no landmark for.
     pub landmark: Option<u32>,
-    /// Whether and why it was believed.
+    /// What was done with it, and why.
     pub verdict: SlamVerdict,
 }
 
-/// What the filter made of an observation.
+/// What was done with an observation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SlamVerdict {
-    /// Distance and direction were held against the expectation.
+    /// Range and bearing were compared with the expectation.
     RangeBearing(Innovation<2>),
     /// The distance was.
     Range(Innovation<1>),
     /// The direction was.
     Bearing(Innovation<1>),
-    /// A new landmark entered the map.
-    Born,
+    /// A new landmark was initialized.
+    Initialized,
     /// It fits no landmark well enough to be of it, and one too well to be of a new one; the NIS
     /// with the nearest one. Nothing was changed.
     Ambiguous(f64),
     /// Something new without a distance or a direction, or so near that it has none; nothing was
     /// changed.
     Unplaceable,
-    /// Something new for which the map has no room; nothing was changed.
+    /// A new landmark, but the map is full; nothing was changed.
     MapFull,
 }
 
@@ -236,7 +233,7 @@ impl SlamOutcome {
             SlamVerdict::Range(innovation) | SlamVerdict::Bearing(innovation) => {
                 innovation.accepted
             }
-            SlamVerdict::Born => true,
+            SlamVerdict::Initialized => true,
             _ => false,
         }
     }
@@ -267,11 +264,10 @@ impl SlamOutcome {
 pub struct MapLandmark {
     /// Its number.
     pub id: u32,
-    /// Where it is believed to be \[m\].
+    /// Its position \[m\].
     pub position: Gaussian<2>,
     /// How many observations it was corrected with, the first one included.
     pub observations: u32,
-    /// Whether it was seen often enough to be believed in; a landmark that is not may be removed
-    /// again.
+    /// Whether its score has reached the confirmation; a provisional landmark may be removed again.
     pub confirmed: bool,
 }

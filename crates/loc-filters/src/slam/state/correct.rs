@@ -160,18 +160,16 @@ fn factorize<const R: usize>(
     Ok(factor)
 }
 
-// What a correction of the heading does to the map: the invariant form of the filter.
-//
-// Whatever a robot learns about its heading, it learns about the direction of the whole map: the
-// two are wrong together. So the error of a position `q` is counted from where it goes as the
-// heading turns, `xi = dq - J q dtheta` with `J` the quarter turn, and in these coordinates no
-// observation depends on the heading (Barrau and Bonnabel 2015; Zhang et al. 2017). LandmarkObservations can then
-// never tell where north is, as is true. The covariance kept here is that of x, y, theta and of
-// the positions all the same: it is carried from the estimate before a correction to that after
-// it, `P' = A P A^T` with `A = I + v e_theta^T` and `v = J (q' - q)`. The estimate follows the arc
-// that belongs to the turn, not its tangent.
-
-/// State and cross covariances after a correction, before they are stored.
+/// The state after a correction, before it is checked and accepted.
+///
+/// Its `turn` gives the invariant form of the filter (Barrau and Bonnabel 2015; Zhang et al. 2017).
+/// An error of the heading turns the whole map with the robot. The error of a position `q` is
+/// therefore counted as `xi = dq - J q dtheta` with `J` the quarter turn; in these coordinates no
+/// observation depends on the heading, so that observations can never tell where north is, which is
+/// true. The stored covariance is still that of x, y, theta and of the positions: it is transformed
+/// from the estimate before a correction to that after it, `P' = A P A^T` with
+/// `A = I + v e_theta^T` and `v = J (q' - q)`. The estimate follows the arc of the turn, not its
+/// tangent.
 pub(super) struct Corrected<const R: usize> {
     pub(super) robot: SVector<f64, R>,
     pub(super) robot_covariance: SMatrix<f64, R, R>,
@@ -182,22 +180,30 @@ pub(super) struct Corrected<const R: usize> {
     pub(super) right: Vec<f64>,
 }
 
-/// `J q`: by a quarter turn to the left.
-fn quarter(q: Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(-q.y, q.x)
-}
-
-/// The chord of an arc that begins along `way` and turns by `angle` \[rad\] on it.
-fn bend(way: Vector2<f64>, angle: f64) -> Vector2<f64> {
-    let (along, across) = if angle.abs() < 1e-4 {
-        (1.0 - angle * angle / 6.0, 0.5 * angle)
-    } else {
-        (angle.sin() / angle, (1.0 - angle.cos()) / angle)
-    };
-    way * along + quarter(way) * across
-}
-
 impl<const R: usize> Corrected<R> {
+    pub(super) fn new(correction: &Correction<R>, state: &super::LargeState<R>) -> Self {
+        let Correction { whitened, robot_gain, map_gain, .. } = correction;
+        let gains = || robot_gain.iter().zip(whitened);
+        let robot = gains().fold(state.robot, |sum, (w, y)| sum + w * *y);
+        let gone: SMatrix<f64, R, R> = robot_gain.iter().map(|w| w * w.transpose()).sum();
+        let (mut map, mut cross) = (state.map.clone(), state.cross.clone());
+        let columns = map_gain.chunks_exact(map.len().max(1));
+        for (column, (robot, y)) in columns.zip(gains()) {
+            super::kernel::add_scaled(&mut map, *y, column);
+            for r in 0..R {
+                super::kernel::add_scaled(&mut cross[r], -robot[r], column);
+            }
+        }
+        Corrected {
+            robot,
+            robot_covariance: state.robot_covariance - gone,
+            map,
+            cross,
+            left: map_gain.clone(),
+            right: map_gain.clone(),
+        }
+    }
+
     /// Carries the covariance to the corrected estimate. The robot's numbers begin with its
     /// position; `heading` is the index of its heading.
     pub(super) fn turn(&mut self, before: &SVector<f64, R>, old: &[f64], heading: usize) {
@@ -231,27 +237,19 @@ impl<const R: usize> Corrected<R> {
         self.left.extend_from_slice(&half);
         self.right.extend(half.iter().chain(&ways).map(|value| -value));
     }
+}
 
-    pub(super) fn new(correction: &Correction<R>, state: &super::LargeState<R>) -> Self {
-        let Correction { whitened, robot_gain, map_gain, .. } = correction;
-        let gains = || robot_gain.iter().zip(whitened);
-        let robot = gains().fold(state.robot, |sum, (w, y)| sum + w * *y);
-        let gone: SMatrix<f64, R, R> = robot_gain.iter().map(|w| w * w.transpose()).sum();
-        let (mut map, mut cross) = (state.map.clone(), state.cross.clone());
-        let columns = map_gain.chunks_exact(map.len().max(1));
-        for (column, (robot, y)) in columns.zip(gains()) {
-            super::kernel::add_scaled(&mut map, *y, column);
-            for r in 0..R {
-                super::kernel::add_scaled(&mut cross[r], -robot[r], column);
-            }
-        }
-        Corrected {
-            robot,
-            robot_covariance: state.robot_covariance - gone,
-            map,
-            cross,
-            left: map_gain.clone(),
-            right: map_gain.clone(),
-        }
-    }
+/// `J q`: by a quarter turn to the left.
+fn quarter(q: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-q.y, q.x)
+}
+
+/// The chord of an arc that begins along `way` and turns by `angle` \[rad\] on it.
+fn bend(way: Vector2<f64>, angle: f64) -> Vector2<f64> {
+    let (along, across) = if angle.abs() < 1e-4 {
+        (1.0 - angle * angle / 6.0, 0.5 * angle)
+    } else {
+        (angle.sin() / angle, (1.0 - angle.cos()) / angle)
+    };
+    way * along + quarter(way) * across
 }

@@ -182,12 +182,12 @@ impl<const R: usize> LargeState<R> {
     ) -> Result<Innovation<M>> {
         match Innovation::new(residual, covariance, gate) {
             Ok((innovation, _)) => Ok(innovation),
-            Err(error) => Err(self.blamed(error)),
+            Err(error) => Err(self.state_error(error)),
         }
     }
 
     /// An error of an innovation's covariance as one of the state.
-    pub(super) fn blamed(&self, error: impl Into<Error>) -> Error {
+    pub(super) fn state_error(&self, error: impl Into<Error>) -> Error {
         match error.into() {
             Error::Core(loc_core::Error::NotACovariance { what, found, .. }) => {
                 Error::LostPositivity { what, step: self.step, found }
@@ -213,8 +213,6 @@ impl<const R: usize> LargeState<R> {
 fn is_positive(&[xx, xy, yy]: &[f64; 3]) -> bool {
     xx >= 0.0 && yy >= 0.0 && (xy * xy) <= xx * yy * (1.0 + 1e-9) && xy.is_finite()
 }
-
-// The covariance of the map, each number of it stored once.
 
 /// A symmetric matrix of 2 x 2 blocks, one row and column of blocks for each landmark.
 ///

@@ -1,35 +1,207 @@
-//! A part of the map, corrected on behalf of the whole (Guivant and Nebot 2001).
+//! A submap: a part of the map that is corrected on behalf of the whole (Guivant and Nebot 2001).
 //!
-//! While a robot works among a few landmarks, its motions and observations act on those alone. What
-//! they do to the rest of the map is a linear map of what the rest had to do with the part when
-//! the robot came there. So the part has a state of its own, and three small matrices remember
-//! what the rest is owed:
+//! While the robot stays among a few landmarks, its motions and observations update those alone. Their
+//! effect on the rest of the map is linear in the covariance between submap and rest at the time when
+//! the submap was made. The submap has a state of its own, and three small matrices accumulate the
+//! pending updates of the rest:
 //!
-//! * `phi`: the covariance of the part with the rest is `phi` times what it was,
+//! * `phi`: the covariance of the submap with the rest is `phi` times the initial one,
 //! * `psi`: the covariance of the rest has lost `U^T psi U`, and
 //! * `theta`: its mean has moved by `U^T theta`,
 //!
-//! with U the covariance of the part with the rest as it was. A step costs as much as the part is
-//! large; the debt is paid when the robot leaves.
+//! with U the initial covariance of the submap with the rest. The cost of a step depends on the size
+//! of the submap only; the pending updates are applied when the robot leaves.
 
 use super::correct::{Correction, Row};
 use super::{LargeState, Triangle, kernel};
 use crate::Result;
 use nalgebra::{DMatrix, Matrix2, Point2, SMatrix, SVector, Vector2};
 
-/// The part with its debts.
+/// Robot and map. Landmarks are indexed through the whole map, active or not; only active ones can be
+/// corrected.
+#[derive(Debug, Clone)]
+pub(in crate::slam) struct MapState<const R: usize> {
+    whole: LargeState<R>,
+    part: Option<Submap<R>>,
+}
+
+/// Index of a landmark in the active state or in the whole one.
+enum Location {
+    Active(usize),
+    Outside(usize),
+}
+
+impl<const R: usize> MapState<R> {
+    pub(in crate::slam) fn new(whole: LargeState<R>) -> Self {
+        MapState { whole, part: None }
+    }
+
+    /// The state that motions and corrections act on.
+    fn active_state(&self) -> &LargeState<R> {
+        self.part.as_ref().map_or(&self.whole, |part| &part.state)
+    }
+
+    /// The active state, read for the robot.
+    pub(in crate::slam) fn robot_state(&self) -> &LargeState<R> {
+        self.active_state()
+    }
+
+    pub(in crate::slam) fn robot(&self) -> &SVector<f64, R> {
+        self.active_state().robot()
+    }
+
+    pub(in crate::slam) fn robot_mut(&mut self) -> &mut SVector<f64, R> {
+        match &mut self.part {
+            Some(part) => part.state.robot_mut(),
+            None => self.whole.robot_mut(),
+        }
+    }
+
+    pub(in crate::slam) fn robot_covariance(&self) -> &SMatrix<f64, R, R> {
+        self.active_state().robot_covariance()
+    }
+
+    /// Number of landmarks.
+    pub(in crate::slam) fn len(&self) -> usize {
+        self.whole.len() + self.part.as_ref().map_or(0, |p| p.state.len() - p.members.len())
+    }
+
+    fn at(&self, landmark: usize) -> Location {
+        let Some(part) = &self.part else { return Location::Active(landmark) };
+        if landmark >= self.whole.len() {
+            return Location::Active(part.members.len() + landmark - self.whole.len());
+        }
+        part.members.binary_search(&landmark).map_or(Location::Outside(landmark), Location::Active)
+    }
+
+    pub(in crate::slam) fn is_active(&self, landmark: usize) -> bool {
+        matches!(self.at(landmark), Location::Active(_))
+    }
+
+    /// The active landmarks, in ascending order.
+    pub(in crate::slam) fn active(&self) -> Vec<usize> {
+        match &self.part {
+            None => (0..self.whole.len()).collect(),
+            Some(part) => {
+                part.members.iter().copied().chain(self.whole.len()..self.len()).collect()
+            }
+        }
+    }
+
+    /// Mean and covariance of any landmark.
+    pub(in crate::slam) fn landmark(&self, landmark: usize) -> (Point2<f64>, Matrix2<f64>) {
+        match (self.at(landmark), &self.part) {
+            (Location::Outside(landmark), Some(part)) => part.outside(&self.whole, landmark),
+            (Location::Active(k) | Location::Outside(k), _) => {
+                (self.active_state().position(k), self.active_state().block(k, k))
+            }
+        }
+    }
+
+    /// Index in the active state; an observed landmark is always there.
+    fn index(&self, landmark: usize) -> usize {
+        match self.at(landmark) {
+            Location::Active(k) | Location::Outside(k) => k,
+        }
+    }
+
+    /// Position of an active landmark \[m\].
+    pub(in crate::slam) fn position(&self, landmark: usize) -> Point2<f64> {
+        self.active_state().position(self.index(landmark))
+    }
+
+    /// Covariance of two active landmarks.
+    pub(in crate::slam) fn block(&self, i: usize, j: usize) -> Matrix2<f64> {
+        self.active_state().block(self.index(i), self.index(j))
+    }
+
+    /// Covariance of the robot and an active landmark, R x 2.
+    pub(in crate::slam) fn cross(&self, landmark: usize) -> SMatrix<f64, R, 2> {
+        self.active_state().cross(self.index(landmark))
+    }
+
+    pub(in crate::slam) fn propagate(
+        &mut self,
+        moved: SVector<f64, R>,
+        f: &SMatrix<f64, R, R>,
+        noise: &SMatrix<f64, R, R>,
+    ) -> Result<()> {
+        match &mut self.part {
+            Some(part) => part.propagate(moved, f, noise),
+            None => self.whole.propagate(moved, f, noise),
+        }
+    }
+
+    pub(in crate::slam) fn push(
+        &mut self,
+        position: Point2<f64>,
+        by_robot: &SMatrix<f64, 2, R>,
+        noise: &Matrix2<f64>,
+    ) -> Result<()> {
+        match &mut self.part {
+            Some(part) => part.push(position, by_robot, noise),
+            None => self.whole.push(position, by_robot, noise),
+        }
+    }
+
+    /// Corrects by rows of active landmarks; `heading` as for [`LargeState::correct`], used where all of
+    /// the map is active.
+    pub(in crate::slam) fn correct(
+        &mut self,
+        rows: &[Row<R>],
+        heading: Option<usize>,
+    ) -> Result<()> {
+        let own = |row: &Row<R>| Row {
+            landmark: self.index(row.landmark),
+            other: row.other.map(|(other, by_other)| (self.index(other), by_other)),
+            ..*row
+        };
+        let rows: Vec<Row<R>> = rows.iter().map(own).collect();
+        match &mut self.part {
+            Some(part) => part.correct(&rows),
+            None => self.whole.correct(&rows, heading).map(|_| ()),
+        }
+    }
+
+    /// Writes the submap back into the whole state, so that all landmarks are active.
+    pub(in crate::slam) fn write_back(&mut self) -> Result<()> {
+        self.part.take().map_or(Ok(()), |part| part.write_back(&mut self.whole))
+    }
+
+    /// Makes a submap of landmarks, in ascending order.
+    pub(in crate::slam) fn take(&mut self, members: Vec<usize>) -> Result<()> {
+        self.write_back()?;
+        self.part = Some(Submap::new(&self.whole, members));
+        Ok(())
+    }
+
+    /// Keeps the landmarks for which `keep` holds.
+    pub(in crate::slam) fn retain(&mut self, keep: &[bool]) -> Result<()> {
+        self.write_back()?;
+        self.whole.retain(keep);
+        Ok(())
+    }
+
+    pub(in crate::slam) fn checked_covariance(&self) -> Result<DMatrix<f64>> {
+        let mut written = self.clone();
+        written.write_back()?;
+        written.whole.checked_covariance()
+    }
+}
+
+/// The active part of the map, with the pending updates of the rest.
 #[derive(Debug, Clone)]
 pub(super) struct Submap<const R: usize> {
-    /// Landmarks of the whole map that belong to the part, in ascending order. Those that were
-    /// born later follow them in the part's state.
+    /// Landmarks of the whole map that belong to the submap, in ascending order. Those that were
+    /// initialized later follow them in the submap's state.
     pub(super) members: Vec<usize>,
     pub(super) state: LargeState<R>,
-    /// For each number of the part a row of `width`.
+    /// For each state of the submap a row of `width`.
     phi: Vec<f64>,
     /// `width` rows of `width`.
     psi: Vec<f64>,
     theta: Vec<f64>,
-    /// Numbers of the part when it was taken.
+    /// Number of states of the submap when it was made.
     width: usize,
 }
 
@@ -81,13 +253,13 @@ impl<const R: usize> Submap<R> {
         Ok(())
     }
 
-    /// Corrects the part by rows of its own landmarks.
+    /// Corrects the submap by rows of its own landmarks.
     pub(super) fn correct(&mut self, rows: &[Row<R>]) -> Result<()> {
         let correction = self.state.correct(rows, None)?;
-        let owed = self.owed(rows, &correction);
+        let pending = self.pending(rows, &correction);
         let Correction { whitened, robot_gain, map_gain, .. } = &correction;
         let length = map_gain.len() / rows.len().max(1);
-        for (k, v) in owed.chunks_exact(self.width).enumerate() {
+        for (k, v) in pending.chunks_exact(self.width).enumerate() {
             let map = &map_gain[k * length..(k + 1) * length];
             let gains = robot_gain[k].iter().chain(map);
             for (row, gain) in self.phi.chunks_exact_mut(self.width).zip(gains) {
@@ -102,8 +274,8 @@ impl<const R: usize> Submap<R> {
     }
 
     /// `V = L^-1 H phi`, one row of `width` after the other.
-    fn owed(&self, rows: &[Row<R>], correction: &Correction<R>) -> Vec<f64> {
-        let mut owed: Vec<f64> = Vec::with_capacity(rows.len() * self.width);
+    fn pending(&self, rows: &[Row<R>], correction: &Correction<R>) -> Vec<f64> {
+        let mut pending: Vec<f64> = Vec::with_capacity(rows.len() * self.width);
         for (row, factor) in rows.iter().zip(&correction.factor) {
             let mut v = vec![0.0; self.width];
             let landmark = R + 2 * row.landmark;
@@ -115,17 +287,17 @@ impl<const R: usize> Submap<R> {
                 let phi = &self.phi[number * self.width..(number + 1) * self.width];
                 kernel::add_scaled(&mut v, derivative, phi);
             }
-            let (last, before) = (factor.last().copied().unwrap_or(1.0), owed.iter().as_slice());
+            let (last, before) = (factor.last().copied().unwrap_or(1.0), pending.iter().as_slice());
             for (known, factor) in before.chunks_exact(self.width).zip(factor) {
                 kernel::add_scaled(&mut v, -factor, known);
             }
             v.iter_mut().for_each(|value| *value /= last);
-            owed.extend(v);
+            pending.extend(v);
         }
-        owed
+        pending
     }
 
-    /// What a landmark of the rest had to do with the part: its two columns of U.
+    /// The covariance of a landmark of the rest with the submap: its two columns of U.
     fn columns(&self, whole: &LargeState<R>, landmark: usize) -> DMatrix<f64> {
         let mut columns = DMatrix::zeros(self.width, 2);
         columns.fixed_view_mut::<R, 2>(0, 0).copy_from(&whole.cross(landmark));
@@ -151,8 +323,8 @@ impl<const R: usize> Submap<R> {
         (position, whole.block(landmark, landmark) - lost)
     }
 
-    /// Pays the debts: the whole becomes what it would be, had it been corrected all along.
-    pub(super) fn settle(self, whole: &mut LargeState<R>) -> Result<()> {
+    /// Applies the pending updates: the whole state becomes what it would be without a submap.
+    pub(super) fn write_back(self, whole: &mut LargeState<R>) -> Result<()> {
         let length = whole.map.len();
         let u = self.all_columns(whole);
         let product = |rows: &[f64]| {
@@ -180,11 +352,11 @@ impl<const R: usize> Submap<R> {
         whole.step = step;
         let with_rest = product(&self.phi);
         self.write_members(whole, &with_rest, length);
-        self.write_born(whole, &with_rest, length);
+        self.write_initialized(whole, &with_rest, length);
         Ok(())
     }
 
-    /// U: for each number of the part its covariances with all landmarks of the whole.
+    /// U: for each initial state of the submap its covariances with all landmarks of the whole.
     fn all_columns(&self, whole: &LargeState<R>) -> Vec<f64> {
         let length = whole.map.len();
         let mut u = vec![0.0; self.width * length];
@@ -199,7 +371,7 @@ impl<const R: usize> Submap<R> {
         u
     }
 
-    /// The robot, and the landmarks of the part that the whole had before.
+    /// The robot, and the landmarks of the submap that the whole had before.
     fn write_members(&self, whole: &mut LargeState<R>, with_rest: &[f64], length: usize) {
         let part = &self.state;
         whole.robot = part.robot;
@@ -229,8 +401,8 @@ impl<const R: usize> Submap<R> {
         }
     }
 
-    /// The landmarks that were born in the part.
-    fn write_born(&self, whole: &mut LargeState<R>, with_rest: &[f64], length: usize) {
+    /// The landmarks that were initialized in the submap.
+    fn write_initialized(&self, whole: &mut LargeState<R>, with_rest: &[f64], length: usize) {
         let part = &self.state;
         for k in self.members.len()..part.len() {
             let row = |a: usize| with_rest[(R + 2 * k + a) * length..][..length].to_vec();
@@ -278,179 +450,5 @@ impl<const R: usize> LargeState<R> {
             }
         }
         part
-    }
-}
-
-// The state as the filters see it: whole, or with a part of the map in hand.
-
-/// A robot with its map. Landmarks are counted through the whole map, whether they are in hand or
-/// not; those in hand are the ones that can be corrected.
-#[derive(Debug, Clone)]
-pub(in crate::slam) struct MapState<const R: usize> {
-    whole: LargeState<R>,
-    part: Option<Submap<R>>,
-}
-
-/// The place of a landmark.
-enum At {
-    InHand(usize),
-    Outside(usize),
-}
-
-impl<const R: usize> MapState<R> {
-    pub(in crate::slam) fn new(whole: LargeState<R>) -> Self {
-        MapState { whole, part: None }
-    }
-
-    /// The state that motions and corrections act on.
-    fn hand(&self) -> &LargeState<R> {
-        self.part.as_ref().map_or(&self.whole, |part| &part.state)
-    }
-
-    /// The state in hand, for what concerns the robot.
-    pub(in crate::slam) fn robot_state(&self) -> &LargeState<R> {
-        self.hand()
-    }
-
-    pub(in crate::slam) fn robot(&self) -> &SVector<f64, R> {
-        self.hand().robot()
-    }
-
-    pub(in crate::slam) fn robot_mut(&mut self) -> &mut SVector<f64, R> {
-        match &mut self.part {
-            Some(part) => part.state.robot_mut(),
-            None => self.whole.robot_mut(),
-        }
-    }
-
-    pub(in crate::slam) fn robot_covariance(&self) -> &SMatrix<f64, R, R> {
-        self.hand().robot_covariance()
-    }
-
-    /// Number of landmarks.
-    pub(in crate::slam) fn len(&self) -> usize {
-        self.whole.len() + self.part.as_ref().map_or(0, |p| p.state.len() - p.members.len())
-    }
-
-    fn at(&self, landmark: usize) -> At {
-        let Some(part) = &self.part else { return At::InHand(landmark) };
-        if landmark >= self.whole.len() {
-            return At::InHand(part.members.len() + landmark - self.whole.len());
-        }
-        part.members.binary_search(&landmark).map_or(At::Outside(landmark), At::InHand)
-    }
-
-    pub(in crate::slam) fn is_in_hand(&self, landmark: usize) -> bool {
-        matches!(self.at(landmark), At::InHand(_))
-    }
-
-    /// The landmarks in hand, in ascending order.
-    pub(in crate::slam) fn in_hand(&self) -> Vec<usize> {
-        match &self.part {
-            None => (0..self.whole.len()).collect(),
-            Some(part) => {
-                part.members.iter().copied().chain(self.whole.len()..self.len()).collect()
-            }
-        }
-    }
-
-    /// Mean and covariance of any landmark.
-    pub(in crate::slam) fn landmark(&self, landmark: usize) -> (Point2<f64>, Matrix2<f64>) {
-        match (self.at(landmark), &self.part) {
-            (At::Outside(landmark), Some(part)) => part.outside(&self.whole, landmark),
-            (At::InHand(k) | At::Outside(k), _) => {
-                (self.hand().position(k), self.hand().block(k, k))
-            }
-        }
-    }
-
-    /// Index in the state in hand; that of the robot's own observations is always there.
-    fn index(&self, landmark: usize) -> usize {
-        match self.at(landmark) {
-            At::InHand(k) | At::Outside(k) => k,
-        }
-    }
-
-    /// Position of a landmark in hand \[m\].
-    pub(in crate::slam) fn position(&self, landmark: usize) -> Point2<f64> {
-        self.hand().position(self.index(landmark))
-    }
-
-    /// Covariance of two landmarks in hand.
-    pub(in crate::slam) fn block(&self, i: usize, j: usize) -> Matrix2<f64> {
-        self.hand().block(self.index(i), self.index(j))
-    }
-
-    /// Covariance of the robot and a landmark in hand, R x 2.
-    pub(in crate::slam) fn cross(&self, landmark: usize) -> SMatrix<f64, R, 2> {
-        self.hand().cross(self.index(landmark))
-    }
-
-    pub(in crate::slam) fn propagate(
-        &mut self,
-        moved: SVector<f64, R>,
-        f: &SMatrix<f64, R, R>,
-        noise: &SMatrix<f64, R, R>,
-    ) -> Result<()> {
-        match &mut self.part {
-            Some(part) => part.propagate(moved, f, noise),
-            None => self.whole.propagate(moved, f, noise),
-        }
-    }
-
-    pub(in crate::slam) fn push(
-        &mut self,
-        position: Point2<f64>,
-        by_robot: &SMatrix<f64, 2, R>,
-        noise: &Matrix2<f64>,
-    ) -> Result<()> {
-        match &mut self.part {
-            Some(part) => part.push(position, by_robot, noise),
-            None => self.whole.push(position, by_robot, noise),
-        }
-    }
-
-    /// Corrects by rows of landmarks in hand; `heading` as for [`LargeState::correct`], where all
-    /// of the map is in hand.
-    pub(in crate::slam) fn correct(
-        &mut self,
-        rows: &[Row<R>],
-        heading: Option<usize>,
-    ) -> Result<()> {
-        let own = |row: &Row<R>| Row {
-            landmark: self.index(row.landmark),
-            other: row.other.map(|(other, by_other)| (self.index(other), by_other)),
-            ..*row
-        };
-        let rows: Vec<Row<R>> = rows.iter().map(own).collect();
-        match &mut self.part {
-            Some(part) => part.correct(&rows),
-            None => self.whole.correct(&rows, heading).map(|_| ()),
-        }
-    }
-
-    /// Puts the part in hand back, so that all landmarks are at hand.
-    pub(in crate::slam) fn settle(&mut self) -> Result<()> {
-        self.part.take().map_or(Ok(()), |part| part.settle(&mut self.whole))
-    }
-
-    /// Takes a part in hand, of landmarks in ascending order.
-    pub(in crate::slam) fn take(&mut self, members: Vec<usize>) -> Result<()> {
-        self.settle()?;
-        self.part = Some(Submap::new(&self.whole, members));
-        Ok(())
-    }
-
-    /// Keeps the landmarks for which `keep` holds.
-    pub(in crate::slam) fn retain(&mut self, keep: &[bool]) -> Result<()> {
-        self.settle()?;
-        self.whole.retain(keep);
-        Ok(())
-    }
-
-    pub(in crate::slam) fn checked_covariance(&self) -> Result<DMatrix<f64>> {
-        let mut settled = self.clone();
-        settled.settle()?;
-        settled.whole.checked_covariance()
     }
 }

@@ -48,7 +48,7 @@ fn sightings_that_cannot_be_used_have_a_reason() {
     let bearing = LandmarkObservation { landmark: 9, sight: Observed::Bearing { bearing: 0.3 } };
     let seen = [see(1, 4.0, 0.0), bearing, see(2, 0.0, 0.0), see(3, 2.0, 1.0), see(4, 2.0, -1.0)];
     let verdicts: Vec<_> = slam.correct(&seen).unwrap().iter().map(|o| o.verdict).collect();
-    let [born, unplaceable] = [SlamVerdict::Born, SlamVerdict::Unplaceable];
+    let [born, unplaceable] = [SlamVerdict::Initialized, SlamVerdict::Unplaceable];
     assert_eq!(verdicts, [born, unplaceable, unplaceable, born, SlamVerdict::MapFull]);
     // One that contradicts what is known is turned away.
     let wrong = slam.correct(&[see(3, 2.0, 2.0)]).unwrap()[0];

@@ -89,7 +89,7 @@ fn what_stands_beside_a_known_landmark_is_new() {
     let twice = slam.correct(&[see(0, 4.0, 0.0), see(0, 4.0, 0.02)]).unwrap();
     assert!(twice[0].accepted() && matches!(twice[1].verdict, SlamVerdict::Ambiguous(_)));
     let beside = slam.correct(&[see(0, 4.0, 0.0), see(0, 4.0, 0.06)]).unwrap();
-    assert!(beside[0].accepted() && beside[1].verdict == SlamVerdict::Born, "{beside:?}");
+    assert!(beside[0].accepted() && beside[1].verdict == SlamVerdict::Initialized, "{beside:?}");
     assert_eq!(slam.len(), 2);
 }
 

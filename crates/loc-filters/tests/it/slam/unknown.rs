@@ -69,7 +69,7 @@ fn what_is_seen_once_and_never_again_is_removed() {
         slam.correct(&real).unwrap();
     }
     let ghost = slam.correct(&[see(2.0, 0.0)]).unwrap()[0];
-    assert_eq!(ghost.verdict, SlamVerdict::Born);
+    assert_eq!(ghost.verdict, SlamVerdict::Initialized);
     let id = ghost.landmark.unwrap();
     assert!(!slam.landmark(id).unwrap().unwrap().confirmed);
     for _ in 0..5 {
