@@ -76,6 +76,9 @@ pub enum Error {
          a correction of the heading turns the whole map"
     )]
     SubmapTurns,
+    /// What a localizer of another crate reports.
+    #[error(transparent)]
+    Other(Box<dyn std::error::Error + Send + Sync>),
     /// An input belongs to a time so far back that the filter has forgotten it.
     #[error(
         "{what} at {stamp} s: expected at most {horizon} s before {newest} s, the newest input"

@@ -1,18 +1,23 @@
 //! The filter at the stamp of its last input, with what still holds from inputs before.
 
+use super::FusionSettings;
 use super::models::{
     CompassModel, DirectionModel, DistanceModel, FusedMotion, InertialModel, ObservationModel,
     PositionModel, Walked, WheelModel,
 };
-use super::state::{FusedBelief, SPEED, STATES, Square, TURN};
-use super::{FusionOutcome, FusionSensor, FusionSettings};
-use crate::delayed::Step;
+use super::state::{
+    DRIFT_X, DRIFT_Y, FORWARD_BIAS, FusedBelief, GYRO_BIAS, LEFT_BIAS, RANGE_OFFSET, RANGE_SCALE,
+    SPEED, STATES, Square, TURN,
+};
+use crate::delayed::Sequential;
 use crate::landmark::RangeBearingModel;
-use crate::smoother::{Recorded, Smoother};
-use crate::{Error, Gate, NonlinearFilter, Result};
+use crate::localizer::{Decision, Estimate, Localizer, Outcome, SensorError, observed_position};
+use crate::smoother::{Recorded, Smoothable};
+use crate::{Error, ExtendedKalmanFilter, Gate, NonlinearFilter, Result};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::compass::CompassReading;
+use loc_sensors::event::{Control, Measurement, Payload};
 use loc_sensors::imu::ImuReading;
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Vector1, Vector2};
@@ -26,25 +31,33 @@ const MAX_PIECES: f64 = 1000.0;
 /// Rounding of what wheels report: 1 mm/s, 1 mrad/s.
 const WHEEL_ROUNDING: f64 = 1e-6;
 
-/// What the filter is given.
-#[derive(Debug, Clone)]
-pub(super) enum Input {
-    Odometry(Twist2),
-    Inertial(ImuReading),
-    Compass(CompassReading),
-    Position(Gaussian<2>),
-    LandmarkObservations(Vec<LandmarkObservation>),
-    /// A time whose belief is wanted later.
-    Mark,
-}
+/// The errors of sensors that the filter reports, with the factor of their unit.
+const ERRORS: [(usize, &str, f64); 7] = [
+    (GYRO_BIAS, "gyroscope [deg/s]", 180.0 / std::f64::consts::PI),
+    (FORWARD_BIAS, "accelerometer forward [m/s^2]", 1.0),
+    (LEFT_BIAS, "accelerometer left [m/s^2]", 1.0),
+    (RANGE_SCALE, "range scale", 1.0),
+    (RANGE_OFFSET, "range offset [m]", 1.0),
+    (DRIFT_X, "satellites east [m]", 1.0),
+    (DRIFT_Y, "satellites north [m]", 1.0),
+];
 
+/// Localization with whatever sensors there are, over time-stamped inputs in order;
+/// [`Delayed`](crate::delayed::Delayed) around it takes late ones. The filter is the extended Kalman
+/// filter, unless another one is named.
+///
+/// It predicts with velocities of the wheels ([`Control::Velocity`]) and corrects with landmarks,
+/// headings of a compass, positions of a satellite receiver's antenna in the map with the covariance
+/// that the receiver claims, and samples of an inertial unit. Such a sample is the mean over one
+/// period of the settings' rate up to its stamp; it acts from the beginning of the period on, so that
+/// the horizon of `Delayed` must not be shorter than that.
 #[derive(Debug, Clone)]
-pub(super) struct Held<F> {
+pub struct FusedLocalizer<F: NonlinearFilter<STATES> = ExtendedKalmanFilter<STATES>> {
     filter: F,
     settings: FusionSettings,
     gate: Gate,
     map: Arc<LandmarkMap>,
-    pub(super) stamp: f64,
+    stamp: f64,
     wheels: Pulse,
     inertial: Pulse,
     acceleration: f64,
@@ -52,22 +65,52 @@ pub(super) struct Held<F> {
     /// What the velocity has walked since it was measured last.
     walked: Walked,
     steps: u64,
+    sensors: Sensors,
 }
 
-impl<F: NonlinearFilter<STATES>> Held<F> {
-    pub(super) fn new(
-        map: Arc<LandmarkMap>,
+/// The sensors that have measured so far.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sensors {
+    landmarks: bool,
+    inertial: bool,
+    satellites: bool,
+}
+
+impl FusedLocalizer {
+    /// A robot with a belief over (x, y, theta) at `stamp` \[s\], and a map of landmarks, which may
+    /// be empty.
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
+    pub fn new(
+        map: impl Into<Arc<LandmarkMap>>,
         settings: FusionSettings,
         stamp: f64,
-        start: &Gaussian<3>,
+        start: Gaussian<3>,
     ) -> Result<Self> {
+        FusedLocalizer::with_filter(map, settings, stamp, start)
+    }
+}
+
+impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
+    /// A robot with any filter.
+    ///
+    /// # Errors
+    /// As [`FusedLocalizer::new`].
+    pub fn with_filter(
+        map: impl Into<Arc<LandmarkMap>>,
+        settings: FusionSettings,
+        stamp: f64,
+        start: Gaussian<3>,
+    ) -> Result<Self> {
+        let stamp = loc_core::error::finite("start time [s]", stamp)?;
         let gate = settings.check()?;
-        let belief = super::state::belief(&settings, start)?;
-        Ok(Held {
+        let belief = super::state::belief(&settings, &start)?;
+        Ok(FusedLocalizer {
             filter: F::start(belief, &[super::state::THETA])?,
             settings,
             gate,
-            map,
+            map: map.into(),
             stamp,
             wheels: Pulse::SILENT,
             inertial: Pulse::SILENT,
@@ -75,29 +118,40 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
             sideways: 0.0,
             walked: Walked { speed: 0.0, turn: 0.0 },
             steps: 0,
+            sensors: Sensors::default(),
         })
+    }
+
+    /// The belief about all states at a time \[s\] not before the last input.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite, [`Error::LostPositivity`].
+    pub fn belief_at(&self, stamp: f64) -> Result<FusedBelief> {
+        let mut ahead = self.clone();
+        ahead.predict_to(loc_core::error::finite("stamp [s]", stamp)?)?;
+        ahead.belief()
     }
 
     /// The belief now.
     ///
     /// # Errors
     /// [`Error::LostPositivity`].
-    pub(super) fn belief(&self) -> Result<FusedBelief> {
+    fn belief(&self) -> Result<FusedBelief> {
         let belief = *self.filter.belief();
         match loc_core::gaussian::check_covariance("fused covariance", &belief.covariance) {
             Ok(()) => Ok(FusedBelief(belief)),
-            Err(_) => Err(self.lost(&belief.covariance)),
+            Err(_) => Err(self.lost_positivity(&belief.covariance)),
         }
     }
 
-    fn lost(&self, covariance: &Square) -> Error {
+    fn lost_positivity(&self, covariance: &Square) -> Error {
         let found = format!("{:?}", covariance.diagonal().as_slice());
         Error::LostPositivity { what: "diagonal of the fused covariance", step: self.steps, found }
     }
 
     /// Drives on to a time \[s\], through every moment at which a measurement ceases to hold.
-    // ANCHOR: drive-to
-    pub(super) fn drive_to(&mut self, stamp: f64) -> Result<()> {
+    // ANCHOR: predict-to
+    fn predict_to(&mut self, stamp: f64) -> Result<()> {
         let longest = PIECE.max((stamp - self.stamp) / MAX_PIECES);
         while self.stamp < stamp {
             let known = self.wheels.holds(self.stamp);
@@ -116,7 +170,7 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
         }
         Ok(())
     }
-    // ANCHOR_END: drive-to
+    // ANCHOR_END: predict-to
 
     fn piece(&mut self, end: f64) -> Result<()> {
         let dt = end - self.stamp;
@@ -149,7 +203,7 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
         if walked.speed > 0.0 || walked.turn > 0.0 { self.filter.predict(&walked) } else { Ok(()) }
     }
 
-    fn odometry(&mut self, stamp: f64, twist: &Twist2) -> Result<FusionOutcome> {
+    fn odometry(&mut self, stamp: f64, twist: &Twist2) -> Result<Outcome> {
         let period = self.wheels.beat(stamp);
         self.walk(true, true)?;
         // Nothing but an inertial unit knows better than the wheels how the robot moves.
@@ -161,7 +215,7 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
         let z = Vector2::new(twist.vx, twist.omega);
         let innovation = self.filter.correct(&WheelModel { variances }, &z, &gate)?;
         self.sideways = twist.vy;
-        Ok(FusionOutcome::of(FusionSensor::Wheels, &innovation))
+        Ok(Outcome::of_innovation(&innovation))
     }
 
     /// The velocity that is expected, as the root of its mean square. The noise of the wheels grows
@@ -173,7 +227,7 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
         Twist2::forward(size(SPEED), size(TURN))
     }
 
-    fn inertial(&mut self, stamp: f64, reading: &ImuReading) -> Result<FusionOutcome> {
+    fn inertial(&mut self, stamp: f64, reading: &ImuReading) -> Result<Outcome> {
         self.inertial.beat(stamp);
         self.walk(false, true)?;
         let imu = &self.settings.imu;
@@ -187,31 +241,31 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
         let z = Vector2::new(reading.angular_velocity.z, reading.acceleration.y);
         let innovation = self.filter.correct(&InertialModel { variances }, &z, &self.gate)?;
         self.acceleration = reading.acceleration.x;
-        Ok(FusionOutcome::of(FusionSensor::Inertial, &innovation))
+        Ok(Outcome::of_innovation(&innovation))
     }
 
-    fn compass(&mut self, reading: &CompassReading) -> Result<FusionOutcome> {
+    fn compass(&mut self, reading: &CompassReading) -> Result<Outcome> {
         let variance = self.settings.compass_sigma.powi(2);
         let z = Vector1::new(reading.heading);
         let innovation = self.filter.correct(&CompassModel { variance }, &z, &self.gate)?;
-        Ok(FusionOutcome::of(FusionSensor::Compass, &innovation))
+        Ok(Outcome::of_innovation(&innovation))
     }
 
     /// The drift is a state; what the receiver claims beyond it is noise.
-    fn position(&mut self, fix: &Gaussian<2>) -> Result<FusionOutcome> {
+    fn position(&mut self, fix: &Gaussian<2>) -> Result<Outcome> {
         let gnss = &self.settings.gnss;
         let usual = 2.0 * gnss.sigma().powi(2);
         let worse = (fix.covariance.trace() / usual).max(1.0);
         let noise = Matrix2::identity() * (gnss.white_sigma.powi(2) * worse);
         let model = PositionModel { antenna: self.settings.antenna, noise };
         let innovation = self.filter.correct(&model, &fix.mean, &self.gate)?;
-        Ok(FusionOutcome::of(FusionSensor::Position, &innovation))
+        Ok(Outcome::of_innovation(&innovation))
     }
 
-    fn observation(&mut self, observation: &LandmarkObservation) -> Result<FusionOutcome> {
-        let sensor = FusionSensor::Landmark(observation.landmark);
-        let Some(landmark) = self.map.get(observation.landmark) else {
-            return Ok(FusionOutcome::refused(sensor));
+    fn observation(&mut self, observation: &LandmarkObservation) -> Result<Outcome> {
+        let id = observation.landmark;
+        let Some(landmark) = self.map.get(id) else {
+            return Ok(Outcome::of(Decision::UnknownLandmark).with_landmark(id));
         };
         let FusionSettings { mounting, observation_noise: noise, .. } = self.settings;
         let landmark = landmark.position.xy();
@@ -222,81 +276,159 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
             ObservationModel::new(sight, self.filter.belief())
         };
         let (filter, gate) = (&mut self.filter, &self.gate);
-        Ok(match observation.sight {
+        let outcome = match observation.sight {
             Observed::RangeBearing { range, bearing } => {
                 let z = Vector2::new(range, bearing);
-                FusionOutcome::of(sensor, &filter.correct(&model, &z, gate)?)
+                Outcome::of_innovation(&filter.correct(&model, &z, gate)?)
             }
             Observed::Range { range } => {
                 let z = Vector1::new(range);
-                FusionOutcome::of(sensor, &filter.correct(&DistanceModel(model), &z, gate)?)
+                Outcome::of_innovation(&filter.correct(&DistanceModel(model), &z, gate)?)
             }
             Observed::Bearing { bearing } => {
                 let z = Vector1::new(bearing);
-                FusionOutcome::of(sensor, &filter.correct(&DirectionModel(model), &z, gate)?)
-            }
-        })
-    }
-
-    fn take(&mut self, stamp: f64, input: &Input) -> Result<Vec<FusionOutcome>> {
-        // Inputs from before the start belong to the start.
-        let stamp = stamp.max(self.stamp);
-        self.drive_to(stamp)?;
-        self.steps += 1;
-        let outcomes = match input {
-            Input::Odometry(twist) => vec![self.odometry(stamp, twist)?],
-            Input::Inertial(reading) => vec![self.inertial(stamp, reading)?],
-            Input::Compass(reading) => vec![self.compass(reading)?],
-            Input::Position(fix) => vec![self.position(fix)?],
-            Input::LandmarkObservations(observations) => {
-                observations.iter().map(|one| self.observation(one)).collect::<Result<_>>()?
-            }
-            Input::Mark => {
-                self.filter.mark();
-                Vec::new()
+                Outcome::of_innovation(&filter.correct(&DirectionModel(model), &z, gate)?)
             }
         };
+        Ok(outcome.with_landmark(id))
+    }
+
+    /// Begins an input: predicts to its time. Inputs from before the start belong to the start.
+    fn begin(&mut self, stamp: f64) -> Result<f64> {
+        let stamp = loc_core::error::finite("stamp [s]", stamp)?.max(self.stamp);
+        self.predict_to(stamp)?;
+        self.steps += 1;
+        Ok(stamp)
+    }
+
+    /// Ends an input: the covariance must still be one.
+    fn check(&self) -> Result<()> {
         let covariance = &self.filter.belief().covariance;
         if covariance.diagonal().iter().all(|variance| *variance >= 0.0 && variance.is_finite()) {
-            return Ok(outcomes);
+            return Ok(());
         }
-        Err(self.lost(covariance))
+        Err(self.lost_positivity(covariance))
     }
 }
 
-impl<F: NonlinearFilter<STATES>> Held<Recorded<F, STATES>> {
-    pub(super) fn past(&self) -> &Smoother<STATES> {
-        self.filter.past()
+impl<F: NonlinearFilter<STATES>> Localizer for FusedLocalizer<F> {
+    fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
+        let Control::Velocity(twist) = control else { return Ok(()) };
+        crate::innovation::finite("velocity of the wheels", &twist.to_vector())?;
+        let stamp = self.begin(stamp)?;
+        self.odometry(stamp, twist)?;
+        self.check()
     }
-}
 
-impl<F: NonlinearFilter<STATES>> Step for Held<F> {
-    type Input = Input;
-    type Report = Vec<FusionOutcome>;
-
-    fn step(&mut self, stamp: f64, input: &Input) -> Result<Vec<FusionOutcome>> {
-        let mut next = self.clone();
-        let outcomes = next.take(stamp, input)?;
-        *self = next;
+    fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Outcome>> {
+        let from = self.acts_from(stamp, measurement);
+        let outcomes = match measurement {
+            Measurement::Landmarks(observations) => {
+                for observation in observations {
+                    observation.sight.check()?;
+                }
+                self.begin(from)?;
+                self.sensors.landmarks = true;
+                let correct = |one: &LandmarkObservation| self.observation(one);
+                let mut outcomes = observations.iter().map(correct).collect::<Result<Vec<_>>>()?;
+                let camera = FusedBelief(*self.filter.belief()).pose() * self.settings.mounting;
+                for (outcome, observation) in outcomes.iter_mut().zip(observations) {
+                    outcome.observed_at = observed_position(camera, observation);
+                }
+                outcomes
+            }
+            Measurement::Inertial(reading) => {
+                reading.check()?;
+                let from = self.begin(from)?;
+                self.sensors.inertial = true;
+                vec![self.inertial(from, reading)?]
+            }
+            Measurement::Compass(reading) => {
+                reading.check()?;
+                self.begin(from)?;
+                vec![self.compass(reading)?]
+            }
+            Measurement::Position(fix) => {
+                let fix = Gaussian::new(fix.mean, fix.covariance)?;
+                self.begin(from)?;
+                self.sensors.satellites = true;
+                vec![self.position(&fix)?.with_place(Some(fix.mean.into()))]
+            }
+            Measurement::Scan { .. } | Measurement::RailPosition { .. } => return Ok(Vec::new()),
+        };
+        self.check()?;
         Ok(outcomes)
     }
 
-    /// Of one stamp, first what tells how the robot moves, then where it is.
-    fn rank(input: &Input) -> u64 {
-        match input {
-            Input::Odometry(_) => 0,
-            Input::Inertial(_) => 1,
-            Input::Compass(_) => 2,
-            Input::Position(_) => 3,
-            Input::LandmarkObservations(observations) => {
-                4 + observations.first().map_or(0, |first| u64::from(first.landmark))
-            }
-            Input::Mark => u64::MAX,
-        }
+    fn estimate(&self, stamp: f64) -> Result<Estimate> {
+        Ok(self.belief_at(stamp)?.about_pose().into())
+    }
+
+    fn sensor_errors(&self, stamp: f64) -> Result<Vec<SensorError>> {
+        let belief = self.belief_at(stamp)?;
+        let has_measured = |index: usize| match index {
+            RANGE_SCALE | RANGE_OFFSET => self.sensors.landmarks,
+            DRIFT_X | DRIFT_Y => self.sensors.satellites,
+            _ => self.sensors.inertial,
+        };
+        let known = ERRORS.iter().filter(|(index, ..)| has_measured(*index));
+        let errors = known.filter_map(|&(index, name, unit)| {
+            let (mean, sigma) = belief.state(index)?;
+            Some(SensorError { name, mean: unit * mean, sigma: unit * sigma })
+        });
+        Ok(errors.collect())
     }
 }
 
-// For how long a measurement holds.
+impl<F: NonlinearFilter<STATES>> Sequential for FusedLocalizer<F> {
+    fn uses(&self, measurement: &Measurement) -> bool {
+        !matches!(measurement, Measurement::Scan { .. } | Measurement::RailPosition { .. })
+    }
+
+    fn acts_from(&self, stamp: f64, measurement: &Measurement) -> f64 {
+        match measurement {
+            Measurement::Inertial(_) => stamp - 1.0 / self.settings.imu.rate,
+            _ => stamp,
+        }
+    }
+
+    /// Of one stamp, first what measures the motion, then what measures the pose.
+    fn rank(input: &Payload) -> u64 {
+        match input {
+            Payload::Control(_) => 0,
+            Payload::Measurement(Measurement::Inertial(_)) => 1,
+            Payload::Measurement(Measurement::Compass(_)) => 2,
+            Payload::Measurement(Measurement::Position(_)) => 3,
+            Payload::Measurement(Measurement::Landmarks(observations)) => {
+                4 + observations.first().map_or(0, |first| u64::from(first.landmark))
+            }
+            _ => u64::MAX,
+        }
+    }
+
+    fn mark(&mut self, stamp: f64) -> Result<()> {
+        self.begin(stamp)?;
+        self.filter.mark();
+        Ok(())
+    }
+}
+
+impl<F: NonlinearFilter<STATES>> FusedLocalizer<Recorded<F, STATES>> {
+    /// The smoothed belief about all states at each mark, in the order of the marks.
+    ///
+    /// # Errors
+    /// Those of [`Smoother::smooth`](crate::smoother::Smoother::smooth).
+    pub fn smoothed_beliefs(&self) -> Result<Vec<FusedBelief>> {
+        Ok(self.filter.past().smooth_marked()?.into_iter().map(FusedBelief).collect())
+    }
+}
+
+impl<F: NonlinearFilter<STATES>> Smoothable for FusedLocalizer<Recorded<F, STATES>> {
+    fn smoothed(&self) -> Result<Vec<Estimate>> {
+        let beliefs = self.smoothed_beliefs()?;
+        Ok(beliefs.into_iter().map(|belief| belief.about_pose().into()).collect())
+    }
+}
 
 /// What a sensor measured holds for so many of its periods.
 const HOLDS: f64 = 1.5;
@@ -306,24 +438,24 @@ const LONGEST_PERIOD: f64 = 1.0;
 
 /// A sensor that measures again and again.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Pulse {
+struct Pulse {
     last: Option<f64>,
     /// When its last measurement ceases to hold \[s\].
-    pub(super) until: f64,
+    until: f64,
 }
 
 impl Pulse {
-    pub(super) const SILENT: Pulse = Pulse { last: None, until: f64::NEG_INFINITY };
+    const SILENT: Pulse = Pulse { last: None, until: f64::NEG_INFINITY };
 
     /// A measurement at `stamp` \[s\]; the answer is the time since the last one.
-    pub(super) fn beat(&mut self, stamp: f64) -> f64 {
+    fn beat(&mut self, stamp: f64) -> f64 {
         let since = self.last.map(|last| stamp - last).filter(|since| *since > 0.0);
         let period = since.unwrap_or(FIRST_PERIOD).min(LONGEST_PERIOD);
         *self = Pulse { last: Some(stamp), until: stamp + HOLDS * period };
         period
     }
 
-    pub(super) fn holds(&self, stamp: f64) -> bool {
+    fn holds(&self, stamp: f64) -> bool {
         stamp < self.until
     }
 }

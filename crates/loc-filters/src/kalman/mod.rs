@@ -14,6 +14,7 @@
 //! # Ok::<(), loc_filters::Error>(())
 //! ```
 
+pub mod rail;
 pub(crate) mod update;
 
 use crate::innovation::{Gate, Innovation, finite};

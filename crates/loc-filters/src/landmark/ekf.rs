@@ -2,9 +2,8 @@
 
 use super::LandmarkSettings;
 use crate::extended::{LinearizedMotion, MeasurementModel, MotionModel};
-use crate::{
-    Error, ExtendedKalmanFilter, Gate, Innovation, NonlinearFilter, Result, UnscentedKalmanFilter,
-};
+use crate::localizer::{Decision, Outcome};
+use crate::{ExtendedKalmanFilter, Gate, NonlinearFilter, Result, UnscentedKalmanFilter};
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::{Gaussian, Pose2, Twist2, angle};
 use loc_maps::LandmarkMap;
@@ -45,12 +44,17 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
     /// Drives on with velocity `twist` for `dt` \[s\].
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative time.
+    /// [`crate::Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative time.
     pub fn predict(&mut self, twist: Twist2, dt: f64) -> Result<()> {
         crate::innovation::finite("velocity", &twist.to_vector())?;
         loc_core::error::non_negative("time step [s]", dt)?;
         let LandmarkSettings { integration, motion_noise: noise, .. } = self.settings;
         self.filter.predict(&VelocityMotion { twist, dt, integration, noise })
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &LandmarkSettings {
+        &self.settings
     }
 
     /// The filter on the models of this module.
@@ -74,33 +78,29 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
         observation: &LandmarkObservation,
     ) -> Result<Outcome> {
         let sight = observation.sight.check()?;
-        let verdict = match map.get(observation.landmark) {
-            None => Verdict::UnknownLandmark,
-            Some(landmark) => {
-                let LandmarkSettings { mounting, observation_noise: noise, .. } = self.settings;
-                let landmark = landmark.position.xy();
-                self.judge(sight, RangeBearingModel { landmark, mounting, noise })?
-            }
+        let id = observation.landmark;
+        let Some(landmark) = map.get(id) else {
+            return Ok(Outcome::of(Decision::UnknownLandmark).with_landmark(id));
         };
-        Ok(Outcome { landmark: observation.landmark, verdict })
-    }
-
-    fn judge(&mut self, sight: Observed, model: RangeBearingModel) -> Result<Verdict, Error> {
+        let LandmarkSettings { mounting, observation_noise: noise, .. } = self.settings;
+        let landmark = landmark.position.xy();
+        let model = RangeBearingModel { landmark, mounting, noise };
         let (filter, gate) = (&mut self.filter, &self.gate);
-        Ok(match sight {
+        let outcome = match sight {
             Observed::RangeBearing { range, bearing } => {
                 let z = Vector2::new(range, bearing);
-                Verdict::RangeBearing(filter.correct(&model, &z, gate)?)
+                Outcome::of_innovation(&filter.correct(&model, &z, gate)?)
             }
             Observed::Range { range } => {
-                Verdict::Range(filter.correct(&RangeModel(model), &Vector1::new(range), gate)?)
+                let z = Vector1::new(range);
+                Outcome::of_innovation(&filter.correct(&RangeModel(model), &z, gate)?)
             }
-            Observed::Bearing { bearing } => Verdict::Bearing(filter.correct(
-                &BearingModel(model),
-                &Vector1::new(bearing),
-                gate,
-            )?),
-        })
+            Observed::Bearing { bearing } => {
+                let z = Vector1::new(bearing);
+                Outcome::of_innovation(&filter.correct(&BearingModel(model), &z, gate)?)
+            }
+        };
+        Ok(outcome.with_landmark(id))
     }
 }
 
@@ -257,58 +257,5 @@ impl MeasurementModel<3, 1> for BearingModel {
 
     fn residual(&self, z: &Vector1<f64>, expected: &Vector1<f64>) -> Vector1<f64> {
         Vector1::new(angle::difference(z.x, expected.x))
-    }
-}
-
-// What became of an observation.
-
-/// An observation's landmark and what the filter made of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
-    /// The number that was read off the landmark.
-    pub landmark: u32,
-    /// Whether and why it was believed.
-    pub verdict: Verdict,
-}
-
-/// What the filter made of an observation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Verdict {
-    /// The map has no landmark of this number; nothing was changed.
-    UnknownLandmark,
-    /// Distance and direction were held against the expectation.
-    RangeBearing(Innovation<2>),
-    /// The distance was.
-    Range(Innovation<1>),
-    /// The direction was.
-    Bearing(Innovation<1>),
-}
-
-impl Outcome {
-    /// Whether the observation changed the belief.
-    pub fn accepted(&self) -> bool {
-        match &self.verdict {
-            Verdict::UnknownLandmark => false,
-            Verdict::RangeBearing(innovation) => innovation.accepted,
-            Verdict::Range(innovation) | Verdict::Bearing(innovation) => innovation.accepted,
-        }
-    }
-
-    /// The normalised innovation squared; `None` for an unknown landmark.
-    pub fn nis(&self) -> Option<f64> {
-        match &self.verdict {
-            Verdict::UnknownLandmark => None,
-            Verdict::RangeBearing(innovation) => Some(innovation.nis),
-            Verdict::Range(innovation) | Verdict::Bearing(innovation) => Some(innovation.nis),
-        }
-    }
-
-    /// How many numbers were measured: the mean of the NIS of a consistent filter.
-    pub fn degrees_of_freedom(&self) -> usize {
-        match &self.verdict {
-            Verdict::UnknownLandmark => 0,
-            Verdict::RangeBearing(_) => 2,
-            Verdict::Range(_) | Verdict::Bearing(_) => 1,
-        }
     }
 }

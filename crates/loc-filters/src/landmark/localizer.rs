@@ -1,43 +1,32 @@
-//! The landmark EKF on the stamps of real sensors.
+//! The landmark filter on time-stamped inputs.
 
-use super::{LandmarkFilter, LandmarkSettings, Outcome};
-use crate::delayed::{DelayedFilter, Step};
-use crate::smoother::{Recorded, Smoother};
-use crate::{Error, ExtendedKalmanFilter, NonlinearFilter, Result};
+use super::{LandmarkFilter, LandmarkSettings};
+use crate::delayed::{Clock, Sequential};
+use crate::localizer::{Estimate, Localizer, Outcome, observed_position};
+use crate::smoother::{Recorded, Smoothable};
+use crate::{ExtendedKalmanFilter, NonlinearFilter, Result};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
-use loc_sensors::landmark_camera::LandmarkObservation;
+use loc_sensors::event::{Control, Measurement, Payload};
 use std::sync::Arc;
 
-/// Landmark localization over stamped inputs, in order or late.
+/// Landmark localization over time-stamped inputs in order; [`Delayed`](crate::delayed::Delayed)
+/// around it takes late ones.
 ///
-/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
-/// several at one stamp, up to the settings' `horizon` late, or not at all.
-///
-/// With the extended Kalman filter, unless another one is named.
+/// A velocity holds from its stamp until the next one. Observations may come between velocities,
+/// several at one stamp, or not at all. The filter is the extended Kalman filter, unless another one
+/// is named.
 #[derive(Debug, Clone)]
 pub struct LandmarkLocalizer<F: NonlinearFilter<3> = ExtendedKalmanFilter<3>> {
-    filter: DelayedFilter<Held<F>>,
-}
-
-/// The filter at the stamp of its last input, with the velocity that it drives on with.
-#[derive(Debug, Clone)]
-struct Held<F> {
-    ekf: LandmarkFilter<F>,
-    stamp: f64,
-    twist: Twist2,
+    filter: LandmarkFilter<F>,
     map: Arc<LandmarkMap>,
-}
-
-/// What the localizer is given.
-#[derive(Debug, Clone)]
-enum Input {
-    Velocity(Twist2),
-    LandmarkObservations(Vec<LandmarkObservation>),
+    clock: Clock,
+    twist: Twist2,
 }
 
 impl LandmarkLocalizer {
-    /// A localizer with the extended Kalman filter that stands still at `stamp` \[s\] with a belief over (x, y, theta).
+    /// A localizer with the extended Kalman filter that stands still at `stamp` \[s\] with a belief
+    /// over (x, y, theta).
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
@@ -52,7 +41,7 @@ impl LandmarkLocalizer {
 }
 
 impl<F: NonlinearFilter<3>> LandmarkLocalizer<F> {
-    /// A localizer with any filter that stands still at `stamp` \[s\].
+    /// A localizer with any filter.
     ///
     /// # Errors
     /// As [`LandmarkLocalizer::new`].
@@ -62,209 +51,78 @@ impl<F: NonlinearFilter<3>> LandmarkLocalizer<F> {
         stamp: f64,
         start: Gaussian<3>,
     ) -> Result<Self> {
-        let stamp = loc_core::error::finite("start time [s]", stamp)?;
-        let ekf = LandmarkFilter::new(start, settings)?;
-        let held = Held { ekf, stamp, twist: Twist2::ZERO, map: map.into() };
-        Ok(LandmarkLocalizer { filter: DelayedFilter::new(held, settings.horizon)? })
-    }
-
-    /// The velocity from `stamp` \[s\] on.
-    ///
-    /// # Errors
-    /// [`crate::Error::TooLate`], and [`crate::Error::NotFinite`] for the velocity.
-    pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
-        self.filter.input("velocity", stamp, Input::Velocity(twist)).map(|_| ())
-    }
-
-    /// Any number of landmarks seen at `stamp` \[s\]; the answer has one outcome for each.
-    ///
-    /// # Errors
-    /// [`crate::Error::TooLate`], and [`loc_core::Error::OutOfRange`] for observations that are not
-    /// valid, none of which is then used.
-    pub fn observations(
-        &mut self,
-        stamp: f64,
-        observations: &[LandmarkObservation],
-    ) -> Result<Vec<Outcome>> {
-        self.filter.input("observations", stamp, Input::LandmarkObservations(observations.to_vec()))
-    }
-
-    /// The belief at a time \[s\]: predicted from the last input before it.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite.
-    pub fn estimate(&self, stamp: f64) -> Result<Gaussian<3>> {
-        loc_core::error::finite("stamp [s]", stamp)?;
-        let mut held = self.filter.at(stamp).clone();
-        if stamp > held.stamp {
-            held.ekf.predict(held.twist, stamp - held.stamp)?;
-        }
-        Ok(*held.ekf.belief())
-    }
-}
-
-impl<F: NonlinearFilter<3>> Step for Held<F> {
-    type Input = Input;
-    type Report = Vec<Outcome>;
-
-    fn step(&mut self, stamp: f64, input: &Input) -> Result<Vec<Outcome>> {
-        let mut ekf = self.ekf.clone();
-        // Inputs from before the start belong to the start.
-        let dt = (stamp - self.stamp).max(0.0);
-        ekf.predict(self.twist, dt)?;
-        let mut outcomes = Vec::new();
-        match input {
-            Input::Velocity(twist) => {
-                crate::innovation::finite("velocity", &twist.to_vector())?;
-                self.twist = *twist;
-            }
-            Input::LandmarkObservations(observations) => {
-                for observation in observations {
-                    outcomes.push(ekf.correct(&self.map, observation)?);
-                }
-            }
-        }
-        self.ekf = ekf;
-        self.stamp += dt;
-        Ok(outcomes)
-    }
-}
-
-// Landmark localization over a whole drive, smoothed.
-
-/// Landmark localization after the drive: the inputs of
-/// [`LandmarkLocalizer`](super::LandmarkLocalizer), in the order of their stamps, and marks at the
-/// times whose smoothed beliefs are wanted. With the extended Kalman filter, unless another one is
-/// named.
-///
-/// ```
-/// use loc_core::{Pose2, Twist2, gaussian::pose_belief};
-/// use loc_filters::landmark::{LandmarkSettings, LandmarkSmoother};
-/// use loc_maps::{Landmark, LandmarkMap};
-/// use loc_sensors::landmark_camera::{Observed, LandmarkObservation};
-///
-/// let map = LandmarkMap::new([Landmark::planar(1, 4.0, 0.0)])?;
-/// let start = pose_belief(Pose2::IDENTITY, [0.5, 0.5, 0.1]);
-/// let mut drive = LandmarkSmoother::new(map, LandmarkSettings::default(), 0.0, start)?;
-/// drive.velocity(0.0, Twist2::forward(1.0, 0.0))?;
-/// drive.mark(0.0)?;
-/// let sight = Observed::RangeBearing { range: 2.5, bearing: 0.0 };
-/// drive.observations(1.0, &[LandmarkObservation { landmark: 1, sight }])?;
-/// let smoothed = drive.smooth()?;
-/// assert!(smoothed[0].mean.x > 0.4, "what is seen at 1 s says where the robot was at 0 s");
-/// # Ok::<(), loc_filters::Error>(())
-/// ```
-#[derive(Debug, Clone)]
-pub struct LandmarkSmoother<F: NonlinearFilter<3> = ExtendedKalmanFilter<3>> {
-    filter: LandmarkFilter<Recorded<F, 3>>,
-    stamp: f64,
-    twist: Twist2,
-    map: Arc<LandmarkMap>,
-}
-
-impl LandmarkSmoother {
-    /// A drive that stands still at `stamp` \[s\] with a belief over (x, y, theta). The horizon of
-    /// the settings has no meaning here.
-    ///
-    /// # Errors
-    /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
-    pub fn new(
-        map: impl Into<Arc<LandmarkMap>>,
-        settings: LandmarkSettings,
-        stamp: f64,
-        start: Gaussian<3>,
-    ) -> Result<Self> {
-        LandmarkSmoother::with_filter(map, settings, stamp, start)
-    }
-}
-
-impl<F: NonlinearFilter<3>> LandmarkSmoother<F> {
-    /// A drive with any filter that stands still at `stamp` \[s\].
-    ///
-    /// # Errors
-    /// As [`LandmarkSmoother::new`].
-    pub fn with_filter(
-        map: impl Into<Arc<LandmarkMap>>,
-        settings: LandmarkSettings,
-        stamp: f64,
-        start: Gaussian<3>,
-    ) -> Result<Self> {
-        let stamp = loc_core::error::finite("start time [s]", stamp)?;
+        let clock = Clock::starting_at(stamp)?;
         let filter = LandmarkFilter::new(start, settings)?;
-        Ok(LandmarkSmoother { filter, stamp, twist: Twist2::ZERO, map: map.into() })
+        Ok(LandmarkLocalizer { filter, map: map.into(), clock, twist: Twist2::ZERO })
     }
 
-    /// The velocity from `stamp` \[s\] on.
-    ///
-    /// # Errors
-    /// [`Error::TooLate`] for a stamp before the last one, and [`Error::NotFinite`] for the
-    /// velocity.
-    pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
+    fn predict_to(&mut self, what: &'static str, stamp: f64) -> Result<()> {
+        let dt = self.clock.advance(what, stamp)?;
+        self.filter.predict(self.twist, dt)
+    }
+}
+
+impl<F: NonlinearFilter<3>> Localizer for LandmarkLocalizer<F> {
+    fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
+        let Control::Velocity(twist) = control else { return Ok(()) };
         crate::innovation::finite("velocity", &twist.to_vector())?;
-        self.drive_to("velocity", stamp)?;
-        self.twist = twist;
+        self.predict_to("velocity", stamp)?;
+        self.twist = *twist;
         Ok(())
     }
 
-    /// Any number of landmarks seen at `stamp` \[s\]; the answer has one outcome for each.
-    ///
-    /// # Errors
-    /// [`Error::TooLate`] for a stamp before the last one, and [`loc_core::Error::OutOfRange`] for
-    /// observations that are not valid, none of which is then used.
-    pub fn observations(
-        &mut self,
-        stamp: f64,
-        observations: &[LandmarkObservation],
-    ) -> Result<Vec<Outcome>> {
+    fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Outcome>> {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
         for observation in observations {
             observation.sight.check()?;
         }
-        self.drive_to("observations", stamp)?;
-        let mut filter = self.filter.clone();
-        let outcomes =
-            observations.iter().map(|observation| filter.correct(&self.map, observation));
-        let outcomes = outcomes.collect::<Result<Vec<_>>>()?;
-        self.filter = filter;
+        self.predict_to("observations", stamp)?;
+        let mut outcomes = Vec::with_capacity(observations.len());
+        for observation in observations {
+            outcomes.push(self.filter.correct(&self.map, observation)?);
+        }
+        let camera = self.filter.belief().pose() * self.filter.settings().mounting;
+        for (outcome, observation) in outcomes.iter_mut().zip(observations) {
+            outcome.observed_at = observed_position(camera, observation);
+        }
         Ok(outcomes)
     }
 
-    /// Asks for the belief at a time \[s\].
-    ///
-    /// # Errors
-    /// [`Error::TooLate`] for a time before the last stamp.
-    pub fn mark(&mut self, stamp: f64) -> Result<()> {
-        self.drive_to("mark", stamp)?;
+    fn estimate(&self, stamp: f64) -> Result<Estimate> {
+        let mut filter = self.filter.clone();
+        filter
+            .predict(self.twist, self.clock.until(loc_core::error::finite("stamp [s]", stamp)?))?;
+        Ok((*filter.belief()).into())
+    }
+}
+
+impl<F: NonlinearFilter<3>> Sequential for LandmarkLocalizer<F> {
+    fn uses(&self, measurement: &Measurement) -> bool {
+        matches!(measurement, Measurement::Landmarks(_))
+    }
+
+    fn rank(_input: &Payload) -> u64 {
+        0
+    }
+
+    fn mark(&mut self, stamp: f64) -> Result<()> {
+        self.predict_to("mark", stamp)?;
         self.filter.mark();
         Ok(())
     }
+}
 
-    /// The smoothed belief at each mark, in the order of the marks.
-    ///
-    /// # Errors
-    /// Those of [`Smoother::smooth`].
-    pub fn smooth(&self) -> Result<Vec<Gaussian<3>>> {
-        self.past().smooth_marked()
-    }
-
+impl<F: NonlinearFilter<3>> LandmarkLocalizer<Recorded<F, 3>> {
     /// What the filter believed at each mark.
-    pub fn filtered(&self) -> Vec<Gaussian<3>> {
-        self.past().filtered_marked()
+    pub fn filtered(&self) -> Vec<Estimate> {
+        let beliefs = self.filter.filter().past().filtered_marked();
+        beliefs.into_iter().map(Estimate::from).collect()
     }
+}
 
-    fn past(&self) -> &Smoother<3> {
-        self.filter.filter().past()
-    }
-
-    fn drive_to(&mut self, what: &'static str, stamp: f64) -> Result<()> {
-        let dt = loc_core::error::finite("stamp [s]", stamp)? - self.stamp;
-        // Inputs from before the start belong to the start.
-        if dt < 0.0 && !self.past().is_empty() {
-            return Err(Error::TooLate { what, stamp, newest: self.stamp, horizon: 0.0 });
-        }
-        if dt > 0.0 {
-            self.filter.predict(self.twist, dt)?;
-            self.stamp = stamp;
-        }
-        Ok(())
+impl<F: NonlinearFilter<3>> Smoothable for LandmarkLocalizer<Recorded<F, 3>> {
+    fn smoothed(&self) -> Result<Vec<Estimate>> {
+        let beliefs = self.filter.filter().past().smooth_marked()?;
+        Ok(beliefs.into_iter().map(Estimate::from).collect())
     }
 }

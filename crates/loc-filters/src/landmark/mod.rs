@@ -2,7 +2,7 @@
 //!
 //! Odometry carries the pose on, each observation of a landmark pulls it back. [`LandmarkEkf`] is the
 //! filter of the lecture page, one prediction or correction at a time; [`LandmarkLocalizer`]
-//! around it takes stamped velocities and observations as they come, late ones included.
+//! around it takes time-stamped velocities and observations.
 //!
 //! ```
 //! use loc_core::{Gaussian, Pose2, gaussian::pose_belief};
@@ -23,10 +23,10 @@ mod ekf;
 mod localizer;
 
 pub use ekf::{
-    BearingModel, LandmarkEkf, LandmarkFilter, LandmarkUkf, Outcome, RangeBearingModel, RangeModel,
-    VelocityMotion, Verdict,
+    BearingModel, LandmarkEkf, LandmarkFilter, LandmarkUkf, RangeBearingModel, RangeModel,
+    VelocityMotion,
 };
-pub use localizer::{LandmarkLocalizer, LandmarkSmoother};
+pub use localizer::LandmarkLocalizer;
 
 use crate::{Gate, Result};
 use loc_core::Pose2;
@@ -50,8 +50,6 @@ pub struct LandmarkSettings {
     pub mounting: Pose2,
     /// Share of right observations that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
-    /// How late an input may come \[s\].
-    pub horizon: f64,
 }
 
 impl LandmarkSettings {
@@ -83,7 +81,6 @@ impl Default for LandmarkSettings {
             observation_noise: LandmarkNoise::default(),
             mounting: Pose2::IDENTITY,
             gate_probability: 0.999,
-            horizon: 2.0,
         }
     }
 }

@@ -34,7 +34,7 @@ mod sliding;
 
 pub use circles::{Crossing, Miss, newton, two_circles};
 pub use locate::locate;
-pub use sliding::{RangeOutcome, SlidingLateration, SlidingSettings};
+pub use sliding::{SlidingLateration, SlidingSettings};
 
 use crate::{Error, Result};
 use loc_core::Gaussian;

@@ -6,7 +6,9 @@ use super::model::{
 use super::pairing::{Lines, Pair, WithBelief, in_order, most_likely};
 use super::{FieldOfView, LineMatchingSettings, LinePairing, PredictedLine};
 use crate::association::{AssociationSettings, Associator};
-use crate::smoother::Recorded;
+use crate::delayed::Sequential;
+use crate::localizer::{Decision, Estimate, Localizer, Outcome};
+use crate::smoother::{Recorded, Smoothable};
 use crate::{
     ExtendedKalmanFilter, Gate, Innovation, NonlinearFilter, Result, UnscentedKalmanFilter,
 };
@@ -14,6 +16,7 @@ use loc_core::gaussian::{check_covariance, cholesky};
 use loc_core::motion::{DrivenPath, PathNoise};
 use loc_core::{Gaussian, Pose2};
 use loc_maps::{LineMap, LineSegment};
+use loc_sensors::event::{Control, Measurement};
 use loc_sensors::features::Line;
 use loc_sensors::laser::LaserScan;
 use nalgebra::{Point2, Vector2, Vector3, Vector6};
@@ -30,6 +33,8 @@ pub struct LineFilter<F> {
     /// The way since the last scan that fits.
     path: Option<DrivenPath>,
     tracking: Tracking,
+    /// What the last scan has led to.
+    last: Option<LineUpdate>,
 }
 
 /// The extended Kalman filter (H4).
@@ -58,7 +63,15 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
         let systematic = settings.systematic;
         let start = with_odometry(&start, systematic.drift, systematic.scale);
         let filter = F::start(start, &[2])?;
-        Ok(LineFilter { filter, map, settings, gate, path: None, tracking: Tracking::default() })
+        Ok(LineFilter {
+            filter,
+            map,
+            settings,
+            gate,
+            path: None,
+            tracking: Tracking::default(),
+            last: None,
+        })
     }
 
     /// What the filter believes now.
@@ -236,18 +249,58 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
     }
 }
 
-impl<F: NonlinearFilter<STATES>> LineFilter<Recorded<F, STATES>> {
-    /// Asks for the belief of this moment, to be smoothed later.
-    pub fn mark(&mut self) {
-        self.filter.mark();
+/// Predicts with the poses of an odometry and corrects with scans; one outcome for each line.
+impl<F: NonlinearFilter<STATES>> Localizer for LineFilter<F> {
+    fn predict(&mut self, _stamp: f64, control: &Control) -> Result<()> {
+        let Control::Odometry(pose) = control else { return Ok(()) };
+        self.odometry(*pose)
     }
 
-    /// The smoothed belief at each mark since the filter was started last, in the order of the marks.
-    ///
-    /// # Errors
-    /// Those of [`Smoother::smooth`](crate::smoother::Smoother::smooth).
-    pub fn smooth(&self) -> Result<Vec<Gaussian<3>>> {
-        Ok(self.filter.past().smooth_marked()?.iter().map(pose_of).collect())
+    fn correct(&mut self, _stamp: f64, measurement: &Measurement) -> Result<Vec<Outcome>> {
+        let Measurement::Scan { scan, mounting } = measurement else { return Ok(Vec::new()) };
+        let update = self.scan(scan, *mounting)?;
+        let unmatched = Outcome::of(Decision::UnknownLandmark);
+        let of = |pair: &Option<LinePair>| {
+            pair.map_or(unmatched, |pair| Outcome::of_innovation(&pair.innovation))
+        };
+        let outcomes = update.pairs.iter().map(of).collect();
+        self.last = Some(update);
+        Ok(outcomes)
+    }
+
+    /// The belief after the last input.
+    fn estimate(&self, _stamp: f64) -> Result<Estimate> {
+        Ok(self.belief().into())
+    }
+
+    fn line_matches(&self) -> Option<&LineUpdate> {
+        self.last.as_ref()
+    }
+}
+
+impl<F: NonlinearFilter<STATES>> Sequential for LineFilter<F> {
+    const USES_POSES: bool = true;
+
+    fn uses(&self, measurement: &Measurement) -> bool {
+        matches!(measurement, Measurement::Scan { .. })
+    }
+
+    fn mark(&mut self, _stamp: f64) -> Result<()> {
+        self.filter.mark();
+        Ok(())
+    }
+}
+
+/// The smoothed beliefs are those since the filter was started last.
+impl<F: NonlinearFilter<STATES>> Smoothable for LineFilter<Recorded<F, STATES>> {
+    fn smoothed(&self) -> Result<Vec<Estimate>> {
+        Ok(self
+            .filter
+            .past()
+            .smooth_marked()?
+            .iter()
+            .map(|belief| pose_of(belief).into())
+            .collect())
     }
 }
 

@@ -1,11 +1,16 @@
 //! Linear Kalman SLAM: a robot that slides in the plane and never turns (I1).
 
 use super::state::{LargeState, Row};
+use crate::delayed::{Clock, Sequential};
+use crate::localizer::{Decision, Estimate, EstimatedMap, Localizer, Outcome};
+use crate::slam::MapLandmark;
 use crate::{Gate, Innovation, Result};
-use loc_core::Gaussian;
 use loc_core::error::non_negative;
 use loc_core::gaussian::cholesky;
-use nalgebra::{DMatrix, Matrix2, Point2, Vector2};
+use loc_core::{Gaussian, Pose2, Twist2};
+use loc_sensors::event::{Control, Measurement};
+use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
+use nalgebra::{DMatrix, Matrix2, Matrix3, Point2, Rotation2, Vector2};
 use std::collections::BTreeMap;
 
 /// What linear SLAM can be told.
@@ -214,4 +219,142 @@ fn whitened_rows(
         residual: along.dot(residual),
         variance: 1.0,
     }))
+}
+
+/// Linear SLAM over time-stamped inputs: velocities without rotation, and observations of a camera.
+///
+/// The filter works along the robot's own axes, which are those of the map turned by a constant
+/// heading.
+#[derive(Debug, Clone)]
+pub struct LinearSlamLocalizer {
+    slam: LinearSlam,
+    heading: f64,
+    mounting: Pose2,
+    noise: LandmarkNoise,
+    clock: Clock,
+    twist: Twist2,
+}
+
+impl LinearSlamLocalizer {
+    /// A localizer without a map that stands still at `stamp` \[s\] with a belief over (x, y, theta),
+    /// and a camera at `mounting` (`base_from_camera`).
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
+    pub fn new(
+        settings: LinearSlamSettings,
+        mounting: Pose2,
+        noise: LandmarkNoise,
+        stamp: f64,
+        start: &Gaussian<3>,
+    ) -> Result<Self> {
+        let heading = start.mean.z;
+        let turn = Rotation2::new(-heading);
+        let position = start.position();
+        let covariance = turn.matrix() * position.covariance * turn.matrix().transpose();
+        let start = Gaussian { mean: turn * position.mean, covariance };
+        let slam = LinearSlam::new(start, settings)?;
+        let clock = Clock::starting_at(stamp)?;
+        Ok(LinearSlamLocalizer { slam, heading, mounting, noise, clock, twist: Twist2::ZERO })
+    }
+
+    fn predict_to(&mut self, what: &'static str, stamp: f64) -> Result<()> {
+        let dt = self.clock.advance(what, stamp)?;
+        if dt > 0.0 {
+            self.slam.predict(Vector2::new(self.twist.vx, self.twist.vy), dt)?;
+        }
+        Ok(())
+    }
+
+    /// The landmark from the robot's centre; `None` without a range and a bearing.
+    fn relative(&self, observation: &LandmarkObservation) -> Option<RelativeObservation> {
+        let Observed::RangeBearing { range, bearing } = observation.sight else { return None };
+        let direction = bearing + self.mounting.theta;
+        let along = Vector2::new(direction.cos(), direction.sin());
+        let offset = Vector2::new(self.mounting.x, self.mounting.y) + range * along;
+        let sigma = self.noise.range_sigma_at(range);
+        // A landmark at the camera has no bearing; its position is still as good as the range.
+        let across = (self.noise.bearing_sigma * range).max(1e-3 * sigma);
+        let axes = Matrix2::new(along.x, -along.y, along.y, along.x);
+        let variances = Matrix2::from_diagonal(&Vector2::new(sigma * sigma, across * across));
+        let covariance = axes * variances * axes.transpose();
+        Some(RelativeObservation { landmark: observation.landmark, offset, covariance })
+    }
+
+    /// From the robot's axes to those of the map.
+    fn in_map(&self, belief: &Gaussian<2>) -> Gaussian<2> {
+        let turn = Rotation2::new(self.heading);
+        let covariance = turn.matrix() * belief.covariance * turn.matrix().transpose();
+        Gaussian { mean: turn * belief.mean, covariance }
+    }
+
+    fn outcome(&self, of: &RelativeObservation, innovation: Option<&Innovation<2>>) -> Outcome {
+        let robot = self.slam.robot();
+        let at = self.in_map(&Gaussian { mean: robot.mean + of.offset, ..robot }).mean;
+        let new = Outcome::of(Decision::NewLandmark);
+        let outcome = innovation.map_or(new, Outcome::of_innovation);
+        outcome.with_landmark(of.landmark).with_place(Some(Point2::from(at)))
+    }
+}
+
+impl Localizer for LinearSlamLocalizer {
+    fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
+        let Control::Velocity(twist) = control else { return Ok(()) };
+        loc_core::error::in_range(
+            "turn rate of a robot in linear SLAM [rad/s]",
+            "0: it never turns",
+            twist.omega,
+            |omega| omega.abs() <= 1e-9,
+        )?;
+        self.predict_to("velocity", stamp)?;
+        self.twist = *twist;
+        Ok(())
+    }
+
+    fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Outcome>> {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
+        self.predict_to("observations", stamp)?;
+        let relative: Vec<_> = observations.iter().map(|seen| self.relative(seen)).collect();
+        let used: Vec<RelativeObservation> = relative.iter().flatten().copied().collect();
+        let innovations = self.slam.correct(&used)?;
+        let mut corrected = used.iter().zip(&innovations);
+        let outcome = |seen: &Option<RelativeObservation>| {
+            let pair = seen.as_ref().and_then(|_| corrected.next());
+            pair.map_or(Outcome::of(Decision::Undetermined), |(seen, innovation)| {
+                self.outcome(seen, innovation.as_ref())
+            })
+        };
+        Ok(relative.iter().map(outcome).collect())
+    }
+
+    fn estimate(&self, stamp: f64) -> Result<Estimate> {
+        let robot = self.in_map(&self.slam.robot());
+        let dt = self.clock.until(loc_core::error::finite("stamp [s]", stamp)?);
+        let ahead = Vector2::new(self.twist.vx, self.twist.vy) * dt;
+        let ahead = Rotation2::new(self.heading) * ahead;
+        let mut covariance = Matrix3::zeros();
+        covariance.fixed_view_mut::<2, 2>(0, 0).copy_from(&robot.covariance);
+        Ok(Estimate {
+            pose: Pose2::new(robot.mean.x + ahead.x, robot.mean.y + ahead.y, self.heading),
+            covariance: Some(covariance),
+            rail: None,
+        })
+    }
+
+    fn map(&self) -> Result<Option<EstimatedMap>> {
+        let describe = |(id, belief): (u32, Gaussian<2>)| MapLandmark {
+            id,
+            position: self.in_map(&belief),
+            observations: 1,
+            confirmed: true,
+        };
+        let landmarks = self.slam.landmarks().map(describe).collect();
+        Ok(Some(EstimatedMap { known_association: true, landmarks }))
+    }
+}
+
+impl Sequential for LinearSlamLocalizer {
+    fn uses(&self, measurement: &Measurement) -> bool {
+        matches!(measurement, Measurement::Landmarks(_))
+    }
 }

@@ -30,143 +30,87 @@ mod ekf;
 mod linear;
 mod state;
 
-pub use ekf::{
-    EkfSlam, Identities, Jacobians, MapLandmark, MapSettings, SlamOutcome, SlamSettings,
-    SlamVerdict,
-};
-pub use linear::{LinearSlam, LinearSlamSettings, RelativeObservation};
+pub use ekf::{EkfSlam, Identities, Jacobians, MapLandmark, MapSettings, SlamSettings};
+pub use linear::{LinearSlam, LinearSlamLocalizer, LinearSlamSettings, RelativeObservation};
 
 use crate::Result;
-use crate::delayed::{DelayedFilter, Step};
+use crate::delayed::{Clock, Sequential};
+use crate::localizer::{Estimate, EstimatedMap, Localizer, Outcome, observed_position};
+use loc_core::motion::dead_reckon;
 use loc_core::{Gaussian, Twist2};
-use loc_sensors::landmark_camera::LandmarkObservation;
+use loc_sensors::event::{Control, Measurement};
 
-// EKF-SLAM on the stamps of real sensors.
-
-/// SLAM over stamped inputs, in order or late.
+/// EKF-SLAM over time-stamped inputs in order; [`Delayed`](crate::delayed::Delayed) around it takes
+/// late ones, at the cost of a copy of the covariance for every correction within its horizon.
 ///
-/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
-/// several at one stamp, up to a horizon late, or not at all. For late ones the filter is kept as
-/// it was before every input within the horizon; each that was corrected since has a covariance of
-/// its own, so that a map of thousands of landmarks goes with a horizon of 0.
+/// A velocity holds from its stamp until the next one. Observations may come between velocities,
+/// several at one stamp, or not at all.
 #[derive(Debug, Clone)]
 pub struct SlamLocalizer {
-    filter: DelayedFilter<LocalizerState>,
-}
-
-/// The filter at the stamp of its last input, with the velocity that it drives on with.
-#[derive(Debug, Clone)]
-struct LocalizerState {
     slam: EkfSlam,
-    stamp: f64,
+    clock: Clock,
     twist: Twist2,
 }
 
-/// What the localizer is given.
-#[derive(Debug, Clone)]
-enum Input {
-    Velocity(Twist2),
-    LandmarkObservations(Vec<LandmarkObservation>),
-}
-
 impl SlamLocalizer {
-    /// A localizer that stands still at `stamp` \[s\] with a belief over (x, y, theta), and takes
-    /// inputs up to `horizon` \[s\] late.
+    /// A localizer without a map that stands still at `stamp` \[s\] with a belief over (x, y, theta).
     ///
     /// # Errors
-    /// [`loc_core::Error`] for a belief, a stamp, a horizon or settings that are not valid.
-    pub fn new(
-        settings: SlamSettings,
-        stamp: f64,
-        start: Gaussian<3>,
-        horizon: f64,
-    ) -> Result<Self> {
-        let stamp = loc_core::error::finite("start time [s]", stamp)?;
-        let state =
-            LocalizerState { slam: EkfSlam::new(start, settings)?, stamp, twist: Twist2::ZERO };
-        Ok(SlamLocalizer { filter: DelayedFilter::new(state, horizon)? })
+    /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
+    pub fn new(settings: SlamSettings, stamp: f64, start: Gaussian<3>) -> Result<Self> {
+        let clock = Clock::starting_at(stamp)?;
+        Ok(SlamLocalizer { slam: EkfSlam::new(start, settings)?, clock, twist: Twist2::ZERO })
     }
 
-    /// The velocity from `stamp` \[s\] on.
-    ///
-    /// # Errors
-    /// [`crate::Error::TooLate`], and [`crate::Error::NotFinite`] for the velocity.
-    pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
-        self.filter.input("velocity", stamp, Input::Velocity(twist)).map(|_| ())
-    }
-
-    /// Any number of landmarks seen at `stamp` \[s\]; the answer has one outcome for each.
-    ///
-    /// # Errors
-    /// [`crate::Error::TooLate`], and what [`EkfSlam::correct`] refuses.
-    pub fn observations(
-        &mut self,
-        stamp: f64,
-        observations: &[LandmarkObservation],
-    ) -> Result<Vec<SlamOutcome>> {
-        self.filter.input("observations", stamp, Input::LandmarkObservations(observations.to_vec()))
-    }
-
-    /// The belief about the robot at a time \[s\]: predicted from the last input before it.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite,
-    /// [`crate::Error::LostPositivity`].
-    pub fn estimate(&self, stamp: f64) -> Result<Gaussian<3>> {
-        loc_core::error::finite("stamp [s]", stamp)?;
-        let state = self.filter.at(stamp);
-        let pose = state.slam.pose()?;
-        if stamp <= state.stamp {
-            return Ok(pose);
-        }
-        let SlamSettings { integration, motion_noise, .. } = state.slam.settings();
-        let dt = stamp - state.stamp;
-        Ok(loc_core::motion::dead_reckon(&pose, state.twist, dt, *integration, motion_noise))
-    }
-
-    /// The landmarks after the newest input.
-    ///
-    /// # Errors
-    /// [`crate::Error::LostPositivity`].
-    pub fn landmarks(&self) -> Result<Vec<MapLandmark>> {
-        self.filter.newest().slam.landmarks()
-    }
-
-    /// The filter after the newest input.
-    pub fn newest(&self) -> &EkfSlam {
-        &self.filter.newest().slam
+    /// The filter after the last input.
+    pub fn slam(&self) -> &EkfSlam {
+        &self.slam
     }
 }
 
-impl Step for LocalizerState {
-    type Input = Input;
-    type Report = Vec<SlamOutcome>;
-
-    fn step(&mut self, stamp: f64, input: &Input) -> Result<Vec<SlamOutcome>> {
-        // Inputs from before the start belong to the start.
-        let dt = (stamp - self.stamp).max(0.0);
-        let before = self.clone();
-        match self.apply(dt, input) {
-            Ok(outcomes) => Ok(outcomes),
-            Err(error) => {
-                *self = before;
-                Err(error)
-            }
-        }
-    }
-}
-
-impl LocalizerState {
-    fn apply(&mut self, dt: f64, input: &Input) -> Result<Vec<SlamOutcome>> {
+impl Localizer for SlamLocalizer {
+    fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
+        let Control::Velocity(twist) = control else { return Ok(()) };
+        crate::innovation::finite("velocity", &twist.to_vector())?;
+        let dt = self.clock.advance("velocity", stamp)?;
         self.slam.predict(self.twist, dt)?;
-        self.stamp += dt;
-        match input {
-            Input::Velocity(twist) => {
-                crate::innovation::finite("velocity", &twist.to_vector())?;
-                self.twist = *twist;
-                Ok(Vec::new())
-            }
-            Input::LandmarkObservations(observations) => self.slam.correct(observations),
+        self.twist = *twist;
+        Ok(())
+    }
+
+    fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Outcome>> {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
+        for observation in observations {
+            observation.sight.check()?;
         }
+        let dt = self.clock.advance("observations", stamp)?;
+        self.slam.predict(self.twist, dt)?;
+        let mut outcomes = self.slam.correct(observations)?;
+        let camera = self.slam.pose()?.pose() * self.slam.settings().mounting;
+        for (outcome, observation) in outcomes.iter_mut().zip(observations) {
+            outcome.observed_at = observed_position(camera, observation);
+        }
+        Ok(outcomes)
+    }
+
+    fn estimate(&self, stamp: f64) -> Result<Estimate> {
+        let dt = self.clock.until(loc_core::error::finite("stamp [s]", stamp)?);
+        let pose = self.slam.pose()?;
+        if dt <= 0.0 {
+            return Ok(pose.into());
+        }
+        let SlamSettings { integration, motion_noise, .. } = self.slam.settings();
+        Ok(dead_reckon(&pose, self.twist, dt, *integration, motion_noise).into())
+    }
+
+    fn map(&self) -> Result<Option<EstimatedMap>> {
+        let known_association = self.slam.settings().identities == Identities::Known;
+        Ok(Some(EstimatedMap { known_association, landmarks: self.slam.landmarks()? }))
+    }
+}
+
+impl Sequential for SlamLocalizer {
+    fn uses(&self, measurement: &Measurement) -> bool {
+        matches!(measurement, Measurement::Landmarks(_))
     }
 }

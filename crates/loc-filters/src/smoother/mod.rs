@@ -31,7 +31,7 @@
 
 mod recorded;
 
-pub use recorded::Recorded;
+pub use recorded::{Recorded, Smoothable, smooth};
 
 use crate::extended::LinearizedMotion;
 use crate::innovation::Factor;

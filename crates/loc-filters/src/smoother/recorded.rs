@@ -1,11 +1,14 @@
 //! Filters that keep their past.
 
 use super::{Link, Recordable, Smoother};
+use crate::delayed::{OdometryVelocity, Sequential, apply};
 use crate::kalman::{LinearMeasurement, LinearMotion};
+use crate::localizer::Estimate;
 use crate::{
     Gate, Innovation, KalmanFilter, MeasurementModel, MotionModel, NonlinearFilter, Result,
 };
 use loc_core::Gaussian;
+use loc_sensors::event::{Control, Event, Payload};
 use nalgebra::SVector;
 
 /// A filter that is run as always and keeps what smoothing needs. Around a
@@ -141,4 +144,57 @@ impl<F: NonlinearFilter<N>, const N: usize> NonlinearFilter<N> for Recorded<F, N
     fn mark(&mut self) {
         self.past.mark();
     }
+}
+
+/// A localizer that keeps its past, so that its estimates can be smoothed after the run.
+pub trait Smoothable: Sequential {
+    /// The smoothed estimate of each mark ([`Sequential::mark`]), in the order of the marks.
+    ///
+    /// # Errors
+    /// Those of [`Smoother::smooth`].
+    fn smoothed(&self) -> Result<Vec<Estimate>>;
+}
+
+/// The estimates at `stamps` \[s\], in order of time, of a localizer that has seen all events: those
+/// before and those after.
+///
+/// The events are applied in order of their stamps, so that late ones are not late; an estimate is
+/// taken after the inputs of its time.
+///
+/// # Errors
+/// What the localizer refuses, and those of [`Smoother::smooth`].
+pub fn smooth<L: Smoothable>(
+    mut localizer: L,
+    events: &[Event],
+    stamps: &[f64],
+) -> Result<Vec<Estimate>> {
+    let mut inputs: Vec<(f64, u64, Option<Event>)> =
+        Vec::with_capacity(events.len() + stamps.len());
+    let mut odometry = OdometryVelocity::default();
+    for event in events {
+        let (from, stamp, payload) = match &event.payload {
+            Payload::Control(Control::Odometry(pose)) if !L::USES_POSES => {
+                let Some((from, twist)) = odometry.next(event.stamp, *pose) else { continue };
+                (from, from, Payload::Control(Control::Velocity(twist)))
+            }
+            Payload::Measurement(measurement) if !localizer.uses(measurement) => continue,
+            Payload::Measurement(measurement) => {
+                let from = localizer.acts_from(event.stamp, measurement);
+                (from, event.stamp, event.payload.clone())
+            }
+            Payload::Control(_) => (event.stamp, event.stamp, event.payload.clone()),
+            Payload::Truth(_) => continue,
+        };
+        inputs.push((from, L::rank(&payload), Some(Event::now(stamp, payload))));
+    }
+    inputs.extend(stamps.iter().map(|&stamp| (stamp, u64::MAX, None)));
+    // The sort is stable: inputs of one time and rank keep the order in which they came.
+    inputs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    for (stamp, _, input) in &inputs {
+        match input {
+            Some(input) => drop(apply(&mut localizer, input)?),
+            None => localizer.mark(*stamp)?,
+        }
+    }
+    localizer.smoothed()
 }

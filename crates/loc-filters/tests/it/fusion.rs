@@ -5,6 +5,8 @@ use loc_core::motion::{Integration, VelocityNoise, dead_reckon};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::stats::nees;
 use loc_core::{Gaussian, Pose2, Twist2};
+use loc_filters::Localizer;
+use loc_filters::delayed::Delayed;
 use loc_filters::extended::{MeasurementModel, MotionModel};
 use loc_filters::fusion::state::{
     DRIFT_X, FORWARD_BIAS, GYRO_BIAS, RANGE_OFFSET, RANGE_SCALE, STATES, THETA,
@@ -17,6 +19,7 @@ use loc_filters::landmark::RangeBearingModel;
 use loc_filters::lateration::BiasPrior;
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::compass::CompassReading;
+use loc_sensors::event::Measurement;
 use loc_sensors::gnss::GnssNoise;
 use loc_sensors::imu::{ImuReading, ImuSpec, InertialNoise};
 use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
@@ -24,6 +27,11 @@ use nalgebra::{Matrix2, Point2, SVector, Vector2, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 
 type State = SVector<f64, STATES>;
+type Robot = Delayed<FusedLocalizer>;
+
+fn belief_of(robot: &Robot, stamp: f64) -> loc_filters::Result<FusedBelief> {
+    robot.at(stamp).belief_at(stamp)
+}
 
 fn state() -> State {
     State::from_column_slice(&[1.2, -0.7, 0.8, 0.9, 0.4, 0.02, 0.1, -0.05, 1.04, 0.12, 0.6, -0.3])
@@ -179,7 +187,7 @@ impl Drive {
     }
 
     /// One step of 0.05 s.
-    fn step(&mut self, k: u32, robot: &mut FusedLocalizer, settings: &FusionSettings, mute: Mute) {
+    fn step(&mut self, k: u32, robot: &mut Robot, settings: &FusionSettings, mute: Mute) {
         let from = f64::from(k) * DT;
         let stamp = f64::from(k + 1) * DT;
         let speed = (0.4 * stamp).min(1.2);
@@ -194,7 +202,7 @@ impl Drive {
         if k.is_multiple_of(2) {
             let sigma = settings.motion_noise.variances(mean, 2.0 * DT).map(f64::sqrt);
             let seen = Twist2::forward(mean.vx + draw(sigma.x), mean.omega + draw(sigma.z));
-            robot.odometry(from, seen).unwrap();
+            robot.velocity(from, seen).unwrap();
         }
         let (gyro, force) = (settings.imu.gyroscope, settings.imu.accelerometer);
         let reading = ImuReading {
@@ -209,10 +217,12 @@ impl Drive {
                 mean.omega + self.biases[0] + draw(gyro.sample_sigma(DT)),
             ),
         };
-        robot.inertial(stamp, reading).unwrap();
+        robot.correct(stamp, &Measurement::Inertial(reading)).unwrap();
         if k % 10 == 3 {
             let heading = self.truth.theta + draw(settings.compass_sigma);
-            robot.compass(stamp, CompassReading { heading, strength: 20.0 }).unwrap();
+            robot
+                .correct(stamp, &Measurement::Compass(CompassReading { heading, strength: 20.0 }))
+                .unwrap();
         }
         if k % 20 == 7 {
             let decay = (-20.0 * DT / settings.gnss.drift_time).exp();
@@ -220,7 +230,9 @@ impl Drive {
             self.drift = self.drift * decay + Vector2::new(draw(fresh), draw(fresh));
             let white = Vector2::new(draw(0.5), draw(0.5));
             if mute != Mute::Satellites {
-                robot.position(stamp, fix(self.truth, self.drift + white)).unwrap();
+                robot
+                    .correct(stamp, &Measurement::Position(fix(self.truth, self.drift + white)))
+                    .unwrap();
             }
         }
         if k % 15 == 5 && mute != Mute::Satellites {
@@ -254,15 +266,16 @@ fn the_covariance_is_honest_and_the_biases_are_found() {
     let runs = 40;
     for seed in 0..runs {
         let (mut drive, start) = Drive::new(seed, &settings);
-        let mut robot = FusedLocalizer::new(map(), settings, 0.0, start).unwrap();
+        let mut robot =
+            Delayed::new(FusedLocalizer::new(map(), settings, 0.0, start).unwrap(), 2.0).unwrap();
         for k in 0..600 {
             drive.step(k, &mut robot, &settings, Mute::Nothing);
             if k % 100 == 99 {
-                let belief = robot.estimate(f64::from(k + 1) * DT).unwrap();
+                let belief = belief_of(&robot, f64::from(k + 1) * DT).unwrap();
                 (sum, count) = (sum + pose_nees(&belief, drive.truth), count + 1.0);
             }
         }
-        let belief = robot.estimate(600.0 * DT).unwrap();
+        let belief = belief_of(&robot, 600.0 * DT).unwrap();
         let indices = [GYRO_BIAS, FORWARD_BIAS, RANGE_SCALE, RANGE_OFFSET];
         for (k, index) in indices.into_iter().enumerate() {
             let (mean, sigma) = belief.state(index).unwrap();
@@ -280,9 +293,10 @@ fn the_covariance_is_honest_and_the_biases_are_found() {
 fn an_outage_widens_the_belief_and_its_end_narrows_it() {
     let settings = settings();
     let (mut drive, start) = Drive::new(5, &settings);
-    let mut robot = FusedLocalizer::new(map(), settings, 0.0, start).unwrap();
-    let spread = |robot: &FusedLocalizer, k: u32| {
-        let belief = robot.estimate(f64::from(k) * DT).unwrap();
+    let mut robot =
+        Delayed::new(FusedLocalizer::new(map(), settings, 0.0, start).unwrap(), 2.0).unwrap();
+    let spread = |robot: &Robot, k: u32| {
+        let belief = belief_of(&robot, f64::from(k) * DT).unwrap();
         belief.about_pose().covariance.fixed_view::<2, 2>(0, 0).trace().sqrt()
     };
     let mut sigmas = Vec::new();
@@ -291,14 +305,14 @@ fn an_outage_widens_the_belief_and_its_end_narrows_it() {
         drive.step(k, &mut robot, &settings, mute);
         if k % 200 == 199 {
             sigmas.push(spread(&robot, k + 1));
-            let belief = robot.estimate(f64::from(k + 1) * DT).unwrap();
+            let belief = belief_of(&robot, f64::from(k + 1) * DT).unwrap();
             assert!(pose_nees(&belief, drive.truth) < 16.3, "beyond 99.9 %");
         }
     }
     // Stamps 10, 20 s | outage 30 .. 60 s | 70, 80 s.
     assert!(sigmas[2..6].windows(2).all(|pair| pair[1] > pair[0]), "{sigmas:?}");
     assert!(sigmas[5] > 1.5 * sigmas[1] && sigmas[7] < 0.6 * sigmas[5], "{sigmas:?}");
-    let drift = robot.estimate(80.0).unwrap().state(DRIFT_X).unwrap();
+    let drift = belief_of(&robot, 80.0).unwrap().state(DRIFT_X).unwrap();
     assert!(drift.1 < settings.gnss.drift_sigma, "what the ranges tell about the receiver");
 }
 
@@ -307,15 +321,19 @@ fn an_outage_widens_the_belief_and_its_end_narrows_it() {
 fn sensors_that_never_come_change_nothing() {
     let settings = FusionSettings { start_speed: 10.0, start_turn: 10.0, ..settings() };
     let start = pose_belief(Pose2::new(1.0, 2.0, 0.3), [0.1, 0.1, 0.05]);
-    let mut robot = FusedLocalizer::new(LandmarkMap::default(), settings, 0.0, start).unwrap();
+    let mut robot = Delayed::new(
+        FusedLocalizer::new(LandmarkMap::default(), settings, 0.0, start).unwrap(),
+        2.0,
+    )
+    .unwrap();
     let mut expected = start;
     for k in 0..100 {
         let twist = Twist2::forward(1.0, 0.2);
-        robot.odometry(f64::from(k) * 0.1, twist).unwrap();
+        robot.velocity(f64::from(k) * 0.1, twist).unwrap();
         let (arc, noise) = (Integration::ExactArc, settings.motion_noise);
         expected = dead_reckon(&expected, twist, 0.1, arc, &noise);
     }
-    let belief = robot.estimate(10.0).unwrap().about_pose();
+    let belief = belief_of(&robot, 10.0).unwrap().about_pose();
     assert!((belief.mean - expected.mean).norm() < 1e-3, "{} {}", belief.mean, expected.mean);
     for i in 0..3 {
         let ratio = belief.covariance[(i, i)] / expected.covariance[(i, i)];
@@ -328,12 +346,21 @@ fn sensors_that_never_come_change_nothing() {
 fn positions_alone_follow_a_robot() {
     let settings = settings();
     let start = pose_belief(Pose2::new(0.0, 0.0, 0.0), [5.0, 5.0, 0.5]);
-    let mut robot = FusedLocalizer::new(LandmarkMap::default(), settings, 0.0, start).unwrap();
+    let mut robot = Delayed::new(
+        FusedLocalizer::new(LandmarkMap::default(), settings, 0.0, start).unwrap(),
+        2.0,
+    )
+    .unwrap();
     for k in 0..60 {
         let stamp = f64::from(k);
-        robot.position(stamp, fix(Pose2::new(stamp, 0.2 * stamp, 0.0), Vector2::zeros())).unwrap();
+        robot
+            .correct(
+                stamp,
+                &Measurement::Position(fix(Pose2::new(stamp, 0.2 * stamp, 0.0), Vector2::zeros())),
+            )
+            .unwrap();
     }
-    let belief = robot.estimate(59.0).unwrap();
+    let belief = belief_of(&robot, 59.0).unwrap();
     assert!(belief.pose().distance(Pose2::new(59.0, 11.8, 0.0)) < 0.5, "{:?}", belief.pose());
     assert!((belief.pose().theta - 0.2_f64.atan()).abs() < 0.15);
 }
@@ -342,21 +369,22 @@ fn positions_alone_follow_a_robot() {
 fn the_order_of_one_moment_and_late_inputs_do_not_matter() {
     let settings = settings();
     let start = pose_belief(Pose2::new(1.0, 2.0, 0.3), [0.5, 0.5, 0.1]);
-    let new = || FusedLocalizer::new(map(), settings, 0.0, start).unwrap();
+    let new =
+        || Delayed::new(FusedLocalizer::new(map(), settings, 0.0, start).unwrap(), 2.0).unwrap();
     let imu = ImuReading {
         acceleration: Vector3::new(0.2, 0.1, 9.8),
         angular_velocity: Vector3::new(0.0, 0.0, 0.1),
     };
-    let give = |robot: &mut FusedLocalizer, which: usize, stamp: f64| match which {
-        0 => robot.odometry(stamp, Twist2::forward(1.0, 0.1)).map(|_| ()).unwrap(),
-        1 => robot.inertial(stamp, imu).map(|_| ()).unwrap(),
+    let give = |robot: &mut Robot, which: usize, stamp: f64| match which {
+        0 => robot.velocity(stamp, Twist2::forward(1.0, 0.1)).map(|_| ()).unwrap(),
+        1 => robot.correct(stamp, &Measurement::Inertial(imu)).map(|_| ()).unwrap(),
         2 => {
             let reading = CompassReading { heading: 0.35, strength: 20.0 };
-            robot.compass(stamp, reading).map(|_| ()).unwrap();
+            robot.correct(stamp, &Measurement::Compass(reading)).map(|_| ()).unwrap();
         }
         3 => {
             let at = fix(Pose2::new(1.3, 2.2, 0.0), Vector2::zeros());
-            robot.position(stamp, at).map(|_| ()).unwrap();
+            robot.correct(stamp, &Measurement::Position(at)).map(|_| ()).unwrap();
         }
         _ => {
             let sight = Observed::Range { range: 21.0 };
@@ -370,48 +398,57 @@ fn the_order_of_one_moment_and_late_inputs_do_not_matter() {
     for moment in 1..=3 {
         (0..5).for_each(|which| give(&mut in_order, which, 0.2 * f64::from(moment)));
     }
-    let expected = in_order.estimate(0.7).unwrap();
+    let expected = belief_of(&in_order, 0.7).unwrap();
     for order in [[4, 3, 2, 1, 0], [2, 0, 4, 1, 3]] {
         let mut robot = new();
         for moment in 1..=3 {
             order.iter().for_each(|&which| give(&mut robot, which, 0.2 * f64::from(moment)));
         }
-        assert_eq!(robot.estimate(0.7).unwrap(), expected);
+        assert_eq!(belief_of(&robot, 0.7).unwrap(), expected);
     }
     let mut late = new();
     for which in 0..5 {
         (1..=3).rev().for_each(|moment| give(&mut late, which, 0.2 * f64::from(moment)));
     }
-    assert_eq!(late.estimate(0.7).unwrap(), expected);
-    let refused = late.odometry(-5.0, Twist2::ZERO).unwrap_err().to_string();
-    assert!(refused.contains("odometry at -5 s"), "{refused}");
+    assert_eq!(belief_of(&late, 0.7).unwrap(), expected);
+    late.velocity(-5.0, Twist2::ZERO).unwrap();
+    assert_eq!(late.notes(), ["1 controls came more than 2 s late and were not used"]);
+    assert_eq!(belief_of(&late, 0.7).unwrap(), expected);
 }
 
 #[test]
 fn bad_input_is_refused_and_leaves_the_filter_as_it_was() {
     let start = pose_belief(Pose2::IDENTITY, [0.5, 0.5, 0.1]);
-    let mut robot = FusedLocalizer::new(map(), settings(), 0.0, start).unwrap();
-    robot.odometry(0.0, Twist2::forward(1.0, 0.0)).unwrap();
-    let before = robot.estimate(1.0).unwrap();
+    let mut robot =
+        Delayed::new(FusedLocalizer::new(map(), settings(), 0.0, start).unwrap(), 2.0).unwrap();
+    robot.velocity(0.0, Twist2::forward(1.0, 0.0)).unwrap();
+    let before = belief_of(&robot, 1.0).unwrap();
     let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
     for value in bad {
         let force = Vector3::new(value, 0.0, 0.0);
         let reading = ImuReading { acceleration: force, angular_velocity: Vector3::zeros() };
-        assert!(robot.inertial(0.5, reading).is_err());
+        assert!(robot.correct(0.5, &Measurement::Inertial(reading)).is_err());
         let turning =
             ImuReading { acceleration: Vector3::zeros(), angular_velocity: Vector3::repeat(value) };
-        assert!(robot.inertial(0.5, turning).is_err());
-        assert!(robot.odometry(0.5, Twist2::forward(value, 0.0)).is_err());
-        assert!(robot.odometry(value, Twist2::ZERO).is_err());
-        assert!(robot.compass(0.5, CompassReading { heading: value, strength: 20.0 }).is_err());
+        assert!(robot.correct(0.5, &Measurement::Inertial(turning)).is_err());
+        assert!(robot.velocity(0.5, Twist2::forward(value, 0.0)).is_err());
+        assert!(robot.velocity(value, Twist2::ZERO).is_err());
+        assert!(
+            robot
+                .correct(
+                    0.5,
+                    &Measurement::Compass(CompassReading { heading: value, strength: 20.0 })
+                )
+                .is_err()
+        );
         let fix = Gaussian { mean: Vector2::new(value, 0.0), covariance: Matrix2::identity() };
-        assert!(robot.position(0.5, fix).is_err());
+        assert!(robot.correct(0.5, &Measurement::Position(fix)).is_err());
         let sight = Observed::Range { range: value };
         assert!(robot.observations(0.5, &[LandmarkObservation { landmark: 1, sight }]).is_err());
-        assert!(robot.estimate(value).is_err());
+        assert!(belief_of(&robot, value).is_err());
     }
     let negative = Gaussian { mean: Vector2::zeros(), covariance: -Matrix2::identity() };
-    assert!(robot.position(0.5, negative).is_err());
+    assert!(robot.correct(0.5, &Measurement::Position(negative)).is_err());
     assert!(
         robot
             .observations(
@@ -420,15 +457,15 @@ fn bad_input_is_refused_and_leaves_the_filter_as_it_was() {
             )
             .is_err()
     );
-    assert_eq!(robot.estimate(1.0).unwrap(), before);
+    assert_eq!(belief_of(&robot, 1.0).unwrap(), before);
     // A landmark that the map does not have, none at all, and one that cannot be so far away.
     let seen = |landmark, range| LandmarkObservation { landmark, sight: Observed::Range { range } };
     let outcomes = robot.observations(0.5, &[seen(99, 3.0), seen(1, 500.0)]).unwrap();
-    assert!(!outcomes[0].accepted && outcomes[0].nis.is_none());
-    assert!(!outcomes[1].accepted && outcomes[1].nis.unwrap() > 10.0);
+    assert!(!outcomes[0].accepted() && outcomes[0].nis.is_none());
+    assert!(!outcomes[1].accepted() && outcomes[1].nis.unwrap() > 10.0);
     assert!(robot.observations(0.5, &[]).unwrap().is_empty());
     // An absurdly long silence ends, and says honestly that nothing is known.
-    let lost = robot.estimate(1e7).unwrap();
+    let lost = belief_of(&robot, 1e7).unwrap();
     assert!(lost.state(0).unwrap().1 > 1e6 && lost.state(THETA).unwrap().0.abs() <= 3.15);
 }
 

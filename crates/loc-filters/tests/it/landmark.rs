@@ -3,8 +3,9 @@ use loc_core::gaussian::pose_belief;
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2};
-use loc_filters::Error;
-use loc_filters::landmark::{LandmarkEkf, LandmarkLocalizer, LandmarkSettings, Verdict};
+use loc_filters::delayed::Delayed;
+use loc_filters::landmark::{LandmarkEkf, LandmarkLocalizer, LandmarkSettings};
+use loc_filters::localizer::{Decision, Localizer};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::{
     LandmarkCamera, LandmarkNoise, LandmarkObservation, Observed, ObservedKind,
@@ -82,9 +83,9 @@ fn unknown_landmarks_and_outliers_change_nothing() {
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
     let mut ekf = LandmarkEkf::new(start, LandmarkSettings::default()).unwrap();
     let unknown = ekf.correct(&map(), &see(77, 4.0, 0.0)).unwrap();
-    assert_eq!((unknown.verdict, unknown.nis()), (Verdict::UnknownLandmark, None));
+    assert_eq!((unknown.decision, unknown.nis), (Decision::UnknownLandmark, None));
     let wrong_number = ekf.correct(&map(), &see(2, 4.0, 0.0)).unwrap();
-    assert!(!wrong_number.accepted() && wrong_number.nis().unwrap() > 100.0);
+    assert!(!wrong_number.accepted() && wrong_number.nis.unwrap() > 100.0);
     assert_eq!(*ekf.belief(), start);
     for sight in [
         Observed::RangeBearing { range: -1.0, bearing: 0.0 },
@@ -126,7 +127,10 @@ fn late_measurements_end_where_punctual_ones_do() {
     let mut rng = stream(9, "drive");
     let camera = LandmarkCamera { max_range: 20.0, ..LandmarkCamera::default() };
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
-    let make = || LandmarkLocalizer::new(map(), LandmarkSettings::default(), 0.0, start).unwrap();
+    let make = || {
+        let robot = LandmarkLocalizer::new(map(), LandmarkSettings::default(), 0.0, start);
+        Delayed::new(robot.unwrap(), 2.0).unwrap()
+    };
     let (mut punctual, mut late) = (make(), make());
     let twist = Twist2::forward(0.5, 0.3);
     let mut waiting: Vec<(f64, Vec<LandmarkObservation>)> = Vec::new();
@@ -153,20 +157,22 @@ fn late_measurements_end_where_punctual_ones_do() {
     let (a, b) = (punctual.estimate(6.0).unwrap(), late.estimate(6.0).unwrap());
     assert_eq!(a, b);
     let truth = Integration::ExactArc.step(Pose2::IDENTITY, twist, 6.0);
-    assert!(a.pose().distance(truth) < 0.2);
-    assert!(matches!(late.observations(1.0, &[]), Err(Error::TooLate { .. })));
+    assert!(a.pose.distance(truth) < 0.2);
+    let refused = late.observations(1.0, &[see(1, 4.0, 0.0)]).unwrap();
+    assert_eq!(refused[0].decision, Decision::TooLate);
+    assert_eq!(late.estimate(6.0).unwrap(), b);
 }
 
 /// Between inputs the held velocity carries the estimate, and asking changes nothing.
 #[test]
 fn estimates_between_inputs_follow_the_held_velocity() {
     let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
-    let mut robot =
-        LandmarkLocalizer::new(map(), LandmarkSettings::default(), 10.0, start).unwrap();
+    let robot = LandmarkLocalizer::new(map(), LandmarkSettings::default(), 10.0, start);
+    let mut robot = Delayed::new(robot.unwrap(), 2.0).unwrap();
     robot.velocity(10.0, Twist2::forward(1.0, 0.0)).unwrap();
     robot.velocity(12.0, Twist2::ZERO).unwrap();
-    assert_relative_eq!(robot.estimate(11.5).unwrap().mean.x, 1.5, epsilon = 1e-12);
-    assert_relative_eq!(robot.estimate(20.0).unwrap().mean.x, 2.0, epsilon = 1e-12);
-    assert_relative_eq!(robot.estimate(9.0).unwrap().mean.x, 0.0);
+    assert_relative_eq!(robot.estimate(11.5).unwrap().pose.x, 1.5, epsilon = 1e-12);
+    assert_relative_eq!(robot.estimate(20.0).unwrap().pose.x, 2.0, epsilon = 1e-12);
+    assert_relative_eq!(robot.estimate(9.0).unwrap().pose.x, 0.0);
     assert!(robot.estimate(f64::NAN).is_err());
 }

@@ -4,10 +4,13 @@ use approx::assert_relative_eq;
 use loc_core::motion::VelocityNoise;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Normal, Pose2, Twist2, gaussian::pose_belief, stats};
+use loc_filters::Localizer;
+use loc_filters::delayed::Sequential;
 use loc_filters::extended::LinearizedMotion;
 use loc_filters::kalman::{KalmanFilter, LinearMeasurement, LinearMotion};
-use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings, LandmarkSmoother};
-use loc_filters::smoother::{Link, Recorded, Smoother};
+use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings};
+use loc_filters::localizer::Estimate;
+use loc_filters::smoother::{Link, Recorded, Smoothable, Smoother};
 use loc_filters::{Error, ExtendedKalmanFilter, Gate, NonlinearFilter, UnscentedKalmanFilter};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
@@ -294,7 +297,8 @@ fn drive<F: NonlinearFilter<3>>(seed: u64) -> Drive {
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
     let mut truth = Pose2::from_vector(&start.sample(&mut rng));
     let mut smoother =
-        LandmarkSmoother::<F>::with_filter(map.clone(), settings, 0.0, start).unwrap();
+        LandmarkLocalizer::<Recorded<F, 3>>::with_filter(map.clone(), settings, 0.0, start)
+            .unwrap();
     let mut online =
         LandmarkLocalizer::<F>::with_filter(map.clone(), settings, 0.0, start).unwrap();
     let (dt, mut filtered, mut truths) = (0.1, Vec::new(), Vec::new());
@@ -328,17 +332,18 @@ fn drive<F: NonlinearFilter<3>>(seed: u64) -> Drive {
             let outcomes = smoother.observations(after, &seen).unwrap();
             for (ours, theirs) in outcomes.iter().zip(online.observations(after, &seen).unwrap()) {
                 assert_eq!(ours.accepted(), theirs.accepted());
-                assert_relative_eq!(ours.nis().unwrap(), theirs.nis().unwrap(), epsilon = 1e-9);
+                assert_relative_eq!(ours.nis.unwrap(), theirs.nis.unwrap(), epsilon = 1e-9);
             }
         }
         smoother.mark(after).unwrap();
-        filtered.push(online.estimate(after).unwrap());
+        filtered.push(online.estimate(after).unwrap().belief());
         truths.push(truth);
     }
     for (ours, theirs) in smoother.filtered().iter().zip(&filtered) {
-        assert_relative_eq!(ours.mean, theirs.mean, epsilon = 1e-9);
+        assert_relative_eq!(ours.pose.to_vector(), theirs.mean, epsilon = 1e-9);
     }
-    let smoothed = smoother.smooth().unwrap();
+    let smoothed: Vec<Gaussian<3>> =
+        smoother.smoothed().unwrap().iter().map(Estimate::belief).collect();
     assert_relative_eq!(smoothed[199].mean, filtered[199].mean, epsilon = 1e-12);
     let rmse = |beliefs: &[Gaussian<3>]| {
         let errors: Vec<f64> =
@@ -402,7 +407,13 @@ fn judge(drives: &[Drive]) {
 fn inputs_out_of_order_are_refused() {
     let map = LandmarkMap::new([Landmark::planar(1, 4.0, 0.0)]).unwrap();
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.1]);
-    let mut drive = LandmarkSmoother::new(map, LandmarkSettings::default(), 5.0, start).unwrap();
+    let mut drive = LandmarkLocalizer::<Recorded<ExtendedKalmanFilter<3>, 3>>::with_filter(
+        map,
+        LandmarkSettings::default(),
+        5.0,
+        start,
+    )
+    .unwrap();
     // What comes from before the start belongs to the start.
     drive.velocity(4.9, Twist2::forward(1.0, 0.0)).unwrap();
     drive.mark(5.0).unwrap();
@@ -414,7 +425,7 @@ fn inputs_out_of_order_are_refused() {
     );
     let bad = LandmarkObservation { landmark: 1, sight: Observed::Range { range: -1.0 } };
     assert!(drive.observations(6.5, &[bad]).is_err());
-    let smoothed = drive.smooth().unwrap();
+    let smoothed = drive.smoothed().unwrap();
     assert_eq!(smoothed.len(), 2);
-    assert_relative_eq!(smoothed[1].mean.x, 1.0, epsilon = 1e-12);
+    assert_relative_eq!(smoothed[1].pose.x, 1.0, epsilon = 1e-12);
 }

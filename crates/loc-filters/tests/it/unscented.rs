@@ -174,8 +174,8 @@ fn a_near_landmark_is_expected_as_it_is_seen() {
     let observation = LandmarkObservation { landmark: 1, sight: Observed::Range { range: mean } };
     let mut ukf = LandmarkUkf::new(start, settings).unwrap();
     let mut ekf = LandmarkEkf::new(start, settings).unwrap();
-    assert!(ukf.correct(&map, &observation).unwrap().nis().unwrap() < 0.02);
-    assert!(ekf.correct(&map, &observation).unwrap().nis().unwrap() > 5.0, "0.2 m that it denies");
+    assert!(ukf.correct(&map, &observation).unwrap().nis.unwrap() < 0.02);
+    assert!(ekf.correct(&map, &observation).unwrap().nis.unwrap() > 5.0, "0.2 m that it denies");
     assert!(ukf.belief().mean.x.abs() < 0.02 && ekf.belief().mean.x < -0.08);
     // A motion, too, through the common code.
     ukf.predict(Twist2::forward(1.0, 0.1), 0.5).unwrap();

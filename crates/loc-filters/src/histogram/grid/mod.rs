@@ -39,7 +39,7 @@
 //! let robot = Pose2::new(3.0, 2.5, 1.2);
 //! let scan = laser.scan(&map, robot, &mut stream(1, "sensor"));
 //! localizer.update(Pose2::IDENTITY, &scan, Pose2::IDENTITY)?;
-//! assert!(localizer.estimate().pose().distance(robot) < 0.05 && localizer.certainty() > 0.9);
+//! assert!(localizer.belief().pose().distance(robot) < 0.05 && localizer.certainty() > 0.9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -56,6 +56,7 @@ mod window;
 pub use settings::{FineSettings, GridSettings};
 
 use crate::Result;
+use crate::localizer::{Decision, Estimate, GridBelief, Hypothesis, Localizer, Outcome};
 use belief::{Belief, Peak};
 use correct::{Scan, Sensor};
 use loc_core::error::finite;
@@ -63,6 +64,7 @@ use loc_core::motion::DrivenPath;
 use loc_core::{Gaussian, Pose2};
 use loc_maps::OccupancyGrid;
 use loc_maps::grid::GridFrame;
+use loc_sensors::event::{Control, Measurement};
 use loc_sensors::laser::LaserScan;
 use nalgebra::{Matrix3, Vector3};
 use space::PoseSpace;
@@ -70,6 +72,9 @@ use stack::Sums;
 use window::Window;
 
 // A robot with a laser, followed on the grid.
+
+/// The number of hypotheses that are reported.
+const HYPOTHESES: usize = 5;
 
 /// A robot followed by a histogram over all of its poses.
 #[derive(Debug, Clone)]
@@ -83,6 +88,8 @@ pub struct GridLocalizer {
     has_seen: bool,
     /// The most likely place at the last update.
     found: Found,
+    /// Whether the last input changed the belief.
+    has_changed: bool,
 }
 
 /// The most likely place.
@@ -128,8 +135,9 @@ impl GridLocalizer {
         let belief = Belief::anywhere(&space);
         let gaussian = Gaussian { mean: Vector3::zeros(), covariance: Matrix3::identity() };
         let found = Found { share: 0.0, gaussian };
+        let (path, has_seen, has_changed) = (None, false, true);
         let mut localizer =
-            GridLocalizer { settings, space, sensor, belief, path: None, has_seen: false, found };
+            GridLocalizer { settings, space, sensor, belief, path, has_seen, found, has_changed };
         localizer.look();
         Ok(localizer)
     }
@@ -234,12 +242,12 @@ impl GridLocalizer {
     /// Mean and covariance over (x, y, theta) \[m, m, rad\] of the most likely place, now: of the
     /// fine grid, where there is one, else of the surroundings of the most likely cell, carried along
     /// by the way since the last update. Of a robot that may be anywhere, those of the whole belief.
-    pub fn estimate(&self) -> Gaussian<3> {
+    pub fn belief(&self) -> Gaussian<3> {
         let Found { gaussian, .. } = self.found;
         self.path.map_or(gaussian, |path| self.settings.motion.belief_after(&path, &gaussian))
     }
 
-    /// The probability of the place that [`estimate`](GridLocalizer::estimate) describes; 0 for a
+    /// The probability of the place that [`belief`](GridLocalizer::belief) describes; 0 for a
     /// robot that may be anywhere.
     pub fn certainty(&self) -> f64 {
         self.found.share
@@ -251,17 +259,17 @@ impl GridLocalizer {
         self.belief.anywhere
     }
 
-    /// Up to `most` likely places, the likeliest first: each with its probability and its mean and
+    /// Up to `max` likely poses, the most probable first: each with its probability and its mean and
     /// covariance over (x, y, theta) \[m, m, rad\].
-    pub fn hypotheses(&self, most: usize) -> Vec<(f64, Gaussian<3>)> {
+    pub fn peaks(&self, max: usize) -> Vec<(f64, Gaussian<3>)> {
         let Belief { stack, window, .. } = &self.belief;
-        let peaks = Peak::several(stack, &self.space, &self.settings.fine, most);
+        let peaks = Peak::several(stack, &self.space, &self.settings.fine, max);
         let coarse = peaks.into_iter().map(|peak| (peak.share, peak.gaussian));
         let fine = window.as_ref().and_then(Window::gaussian);
         let fine = fine.map(|gaussian| (self.belief.in_window(), gaussian));
         let mut all: Vec<(f64, Gaussian<3>)> = fine.into_iter().chain(coarse).collect();
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
-        all.truncate(most);
+        all.truncate(max);
         all
     }
 
@@ -315,6 +323,40 @@ impl GridLocalizer {
             }
         }
         sums
+    }
+}
+
+/// Tracks with the poses of an odometry and corrects with scans; a scan is one outcome.
+impl Localizer for GridLocalizer {
+    fn predict(&mut self, _stamp: f64, control: &Control) -> Result<()> {
+        let Control::Odometry(pose) = control else { return Ok(()) };
+        self.odometry(*pose)
+    }
+
+    fn correct(&mut self, _stamp: f64, measurement: &Measurement) -> Result<Vec<Outcome>> {
+        self.has_changed = false;
+        let Measurement::Scan { scan, mounting } = measurement else { return Ok(Vec::new()) };
+        let odometry = self.path.map_or(Pose2::IDENTITY, |path| path.end());
+        let update = self.update(odometry, scan, *mounting)?;
+        self.has_changed = update != GridUpdate::StoodStill;
+        let is_used = matches!(update, GridUpdate::Done(_));
+        Ok(is_used.then_some(Outcome::of(Decision::Accepted)).into_iter().collect())
+    }
+
+    /// The most likely pose after the last input.
+    fn estimate(&self, _stamp: f64) -> Result<Estimate> {
+        Ok(self.belief().into())
+    }
+
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        let peaks = self.peaks(HYPOTHESES).into_iter();
+        peaks.map(|(share, belief)| Hypothesis { share, belief }).collect()
+    }
+
+    fn grid_belief(&self) -> Option<GridBelief> {
+        let probabilities = || self.position_probabilities().into_iter().map(|p| p as f32);
+        let cells = *self.squares();
+        self.has_changed.then(|| GridBelief { cells, probabilities: probabilities().collect() })
     }
 }
 

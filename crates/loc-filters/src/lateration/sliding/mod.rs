@@ -4,12 +4,15 @@ mod window;
 
 use super::minimize::{Minimum, OFFSET, SCALE};
 use super::{BiasPrior, LaterationSettings, Loss, Range, RangeBias, locate};
-use crate::{Error, Result};
-use loc_core::error::{finite, in_range, non_negative, positive};
+use crate::Result;
+use crate::delayed::{Clock, Sequential};
+use crate::localizer::{Decision, Estimate, Localizer, Outcome};
+use loc_core::error::{finite, in_range, positive};
 use loc_core::gaussian::cholesky;
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
+use loc_sensors::event::{Control, Measurement};
 use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation};
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 use std::collections::VecDeque;
@@ -37,6 +40,7 @@ const FITS: f64 = 3.0;
 ///
 /// ```
 /// use loc_core::Twist2;
+/// use loc_filters::Localizer;
 /// use loc_filters::lateration::{SlidingLateration, SlidingSettings};
 /// use loc_maps::{Landmark, LandmarkMap};
 /// use loc_sensors::landmark_camera::{Observed, LandmarkObservation};
@@ -49,9 +53,9 @@ const FITS: f64 = 3.0;
 ///     let (stamp, landmark) = (0.1 * f64::from(k), 1 + k as u32 % 3);
 ///     let at = nalgebra::Point3::new(2.0, 1.0 + 0.5 * stamp, 0.0);
 ///     let range = nalgebra::distance(&at, &map.get(landmark).unwrap().position);
-///     robot.ranges(stamp, &[LandmarkObservation { landmark, sight: Observed::Range { range } }])?;
+///     robot.observations(stamp, &[LandmarkObservation { landmark, sight: Observed::Range { range } }])?;
 /// }
-/// let pose = robot.estimate(4.0)?.expect("found").pose();
+/// let pose = robot.estimate(4.0)?.pose;
 /// assert!((pose.x - 2.0).abs() < 0.02 && (pose.y - 3.0).abs() < 0.02);
 /// assert!((pose.theta - 1.57).abs() < 0.02);
 /// # Ok::<(), loc_filters::Error>(())
@@ -59,6 +63,9 @@ const FITS: f64 = 3.0;
 #[derive(Debug, Clone)]
 pub struct SlidingLateration {
     map: Arc<LandmarkMap>,
+    /// The estimate before the first fix: somewhere among the landmarks.
+    anywhere: Gaussian<3>,
+    clock: Clock,
     settings: SlidingSettings,
     track: Track,
     window: VecDeque<BufferedRange>,
@@ -83,21 +90,6 @@ struct Placed {
     bias: RangeBias,
 }
 
-/// What became of a distance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RangeOutcome {
-    /// The map has no landmark of this number.
-    UnknownLandmark,
-    /// The observation has no distance.
-    NoRange,
-    /// There are not enough distances yet to say where the robot is.
-    Waiting,
-    /// It fits the place that was found.
-    Fits,
-    /// It is more than three standard deviations off.
-    Off,
-}
-
 impl SlidingLateration {
     /// Lateration that knows nothing of the pose at `stamp` \[s\].
     ///
@@ -109,9 +101,13 @@ impl SlidingLateration {
         stamp: f64,
     ) -> Result<Self> {
         settings.check()?;
-        loc_core::error::finite("start time [s]", stamp)?;
+        let clock = Clock::starting_at(stamp)?;
+        let map = map.into();
+        let anywhere = among(&map);
         Ok(SlidingLateration {
-            map: map.into(),
+            map,
+            anywhere,
+            clock,
             settings,
             track: Track::new(stamp, settings.integration),
             window: VecDeque::new(),
@@ -132,13 +128,9 @@ impl SlidingLateration {
         Ok(self)
     }
 
-    /// The velocity from `stamp` \[s\] on.
-    ///
-    /// # Errors
-    /// [`Error::TooLate`], and [`Error::NotFinite`] for the velocity.
-    pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
+    fn insert_velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
         crate::innovation::finite("velocity", &twist.to_vector())?;
-        self.check_stamp("velocity", stamp)?;
+        self.clock.advance("velocity", stamp)?;
         if self.settings.odometry {
             self.track.insert(stamp, twist);
             self.forget();
@@ -146,33 +138,28 @@ impl SlidingLateration {
         Ok(())
     }
 
-    /// Any number of distances measured at `stamp` \[s\]; the answer has an outcome for each.
-    ///
-    /// # Errors
-    /// [`Error::TooLate`], and [`loc_core::Error::OutOfRange`] for observations that are not valid,
-    /// none of which is then used.
-    pub fn ranges(
+    fn insert_ranges(
         &mut self,
         stamp: f64,
         observations: &[LandmarkObservation],
-    ) -> Result<Vec<RangeOutcome>> {
-        self.check_stamp("distances", stamp)?;
+    ) -> Result<Vec<Outcome>> {
         for observation in observations {
             observation.sight.check()?;
         }
-        let mut received = Vec::with_capacity(observations.len());
+        self.clock.advance("ranges", stamp)?;
+        let mut ranges = Vec::with_capacity(observations.len());
         for observation in observations {
-            received.push(match (self.map.get(observation.landmark), observation.sight.range()) {
-                (None, _) => Err(RangeOutcome::UnknownLandmark),
-                (_, None) => Err(RangeOutcome::NoRange),
+            ranges.push(match (self.map.get(observation.landmark), observation.sight.range()) {
+                (None, _) => Err(Decision::UnknownLandmark),
+                (_, None) => Err(Decision::Undetermined),
                 (Some(landmark), Some(distance)) => {
                     Ok(BufferedRange { stamp, landmark: landmark.position.xy(), distance })
                 }
             });
         }
-        for &received in received.iter().flatten() {
+        for &range in ranges.iter().flatten() {
             let place = self.window.partition_point(|other| other.stamp <= stamp);
-            self.window.insert(place, received);
+            self.window.insert(place, range);
         }
         while self.window.len() > self.settings.window {
             self.window.pop_front();
@@ -180,17 +167,20 @@ impl SlidingLateration {
         }
         self.forget();
         let now = self.window.back().map_or(stamp, |last| last.stamp);
-        let solved = received.iter().any(Result::is_ok).then(|| self.solve(now)).flatten();
-        let judge = |received: &BufferedRange| match &solved {
-            None => RangeOutcome::Waiting,
+        let solved = ranges.iter().any(Result::is_ok).then(|| self.solve(now)).flatten();
+        let decide = |range: &BufferedRange| match &solved {
+            None => Decision::Pending,
             Some((window, found)) => {
                 let travelled = self.track.at(now);
-                let range = self.carried(received, now, &travelled, &travelled);
+                let range = self.carried(range, now, &travelled, &travelled);
                 let fits = window.deviation(&range, &found.at).abs() <= FITS;
-                if fits { RangeOutcome::Fits } else { RangeOutcome::Off }
+                if fits { Decision::Accepted } else { Decision::Rejected }
             }
         };
-        let outcomes = received.iter().map(|received| received.as_ref().map_or_else(|e| *e, judge));
+        let decisions = ranges.iter().map(|range| range.as_ref().map_or_else(|d| *d, decide));
+        let outcomes = decisions.zip(observations).map(|(decision, observation)| {
+            Outcome::of(decision).with_landmark(observation.landmark)
+        });
         let outcomes = outcomes.collect();
         if let Some((_, found)) = &solved {
             self.settle(now, found);
@@ -202,7 +192,7 @@ impl SlidingLateration {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite.
-    pub fn estimate(&self, stamp: f64) -> Result<Option<Gaussian<3>>> {
+    pub fn belief_at(&self, stamp: f64) -> Result<Option<Gaussian<3>>> {
         loc_core::error::finite("stamp [s]", stamp)?;
         Ok(self.fix.as_ref().map(|fix| self.carry(&fix.belief, fix.stamp, stamp)))
     }
@@ -212,20 +202,10 @@ impl SlidingLateration {
         self.fix.map(|fix| fix.bias)
     }
 
-    fn check_stamp(&self, what: &'static str, stamp: f64) -> Result<()> {
-        loc_core::error::finite("stamp [s]", stamp)?;
-        let newest = self.window.back().map_or(f64::NEG_INFINITY, |last| last.stamp);
-        let (newest, horizon) = (newest.max(self.track.end()), self.settings.horizon);
-        if stamp < newest - horizon {
-            return Err(Error::TooLate { what, stamp, newest, horizon });
-        }
-        Ok(())
-    }
-
-    /// Forgets the odometry that neither the window nor a late input can ask for.
+    /// Forgets the odometry from before the window, the last fix and the start.
     fn forget(&mut self) {
-        let late = self.track.end() - self.settings.horizon;
-        let oldest = self.window.front().map_or(late, |first| first.stamp.min(late));
+        let end = self.track.end();
+        let oldest = self.window.front().map_or(end, |first| first.stamp.min(end));
         let fix = self.fix.map_or(oldest, |fix| fix.stamp.min(oldest));
         self.track.forget_before(self.start.map_or(fix, |(stamp, _)| stamp.min(fix)));
     }
@@ -345,6 +325,41 @@ impl SlidingLateration {
     }
 }
 
+impl Localizer for SlidingLateration {
+    fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
+        let Control::Velocity(twist) = control else { return Ok(()) };
+        self.insert_velocity(stamp, *twist)
+    }
+
+    /// A range that is more than three standard deviations off the solution is rejected.
+    fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Outcome>> {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
+        self.insert_ranges(stamp, observations)
+    }
+
+    /// The last fix carried on; before the first fix, anywhere among the landmarks.
+    fn estimate(&self, stamp: f64) -> Result<Estimate> {
+        Ok(self.belief_at(stamp)?.unwrap_or(self.anywhere).into())
+    }
+}
+
+impl Sequential for SlidingLateration {
+    fn uses(&self, measurement: &Measurement) -> bool {
+        matches!(measurement, Measurement::Landmarks(_))
+    }
+}
+
+/// A robot that may be anywhere among the landmarks.
+fn among(landmarks: &LandmarkMap) -> Gaussian<3> {
+    let count = landmarks.len().max(1) as f64;
+    let positions = || landmarks.iter().map(|landmark| landmark.position.xy().coords);
+    let middle = positions().sum::<Vector2<f64>>() / count;
+    let spread = positions().map(|p| (p - middle).norm_squared()).sum::<f64>() / count;
+    let variances = Vector3::new(spread, spread, PI * PI / 3.0);
+    let mean = Vector3::new(middle.x, middle.y, 0.0);
+    Gaussian { mean, covariance: Matrix3::from_diagonal(&variances) }
+}
+
 fn by_cost(a: &Minimum, b: &Minimum) -> std::cmp::Ordering {
     a.cost.total_cmp(&b.cost)
 }
@@ -380,8 +395,6 @@ pub struct SlidingSettings {
     pub bias: BiasPrior,
     /// Place of the antenna on the robot \[m\].
     pub antenna: Point2<f64>,
-    /// How late a distance may come \[s\].
-    pub horizon: f64,
 }
 
 impl SlidingSettings {
@@ -402,7 +415,6 @@ impl SlidingSettings {
         self.bias.check()?;
         finite("place of the antenna [m]", self.antenna.x)?;
         finite("place of the antenna [m]", self.antenna.y)?;
-        non_negative("horizon for late inputs [s]", self.horizon)?;
         Ok(())
     }
 }
@@ -422,7 +434,6 @@ impl Default for SlidingSettings {
             loss: Loss::CAUCHY,
             bias: BiasPrior { scale_sigma: 0.1, offset_sigma: 0.2 },
             antenna: Point2::origin(),
-            horizon: 2.0,
         }
     }
 }

@@ -1,9 +1,10 @@
 //! The landmarks of the map: initialization, scores, removal, merging, and the active submap.
 
 use super::observation::{DistanceBound, LocatedObservation};
-use super::{EkfSlam, Identities, Jacobians, MapLandmark, Matrix2x5, NUMBERS, SlamOutcome};
+use super::{EkfSlam, Identities, Jacobians, MapLandmark, Matrix2x5, NUMBERS};
 use crate::Result;
 use crate::association::{PairInnovation, Pairing};
+use crate::localizer::Outcome;
 use crate::slam::state::Row;
 use loc_core::Gaussian;
 use loc_core::gaussian::check_covariance;
@@ -201,7 +202,7 @@ impl EkfSlam {
     }
 
     /// Merges landmarks that are the same; the earlier one is kept.
-    pub(super) fn merge(&mut self, outcomes: &mut [SlamOutcome]) -> Result<()> {
+    pub(super) fn merge(&mut self, outcomes: &mut [Outcome]) -> Result<()> {
         let recent = self.recent();
         let others = self.state.active().into_iter();
         let earlier: Vec<usize> = others.filter(|index| !recent.contains(index)).collect();

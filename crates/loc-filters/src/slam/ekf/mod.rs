@@ -9,14 +9,13 @@ mod landmarks;
 mod observation;
 mod settings;
 
-pub use settings::{
-    Identities, Jacobians, MapLandmark, MapSettings, SlamOutcome, SlamSettings, SlamVerdict,
-};
+pub use settings::{Identities, Jacobians, MapLandmark, MapSettings, SlamSettings};
 
 use super::state::{LargeState, MapState, Row};
 use crate::MeasurementModel;
 use crate::association::{AssociationSettings, Associator};
 use crate::landmark::RangeBearingModel;
+use crate::localizer::{Decision, Outcome};
 use crate::{Gate, Result};
 use landmarks::{ActiveRegion, Entry, ViewExtent};
 use loc_core::gaussian::check_covariance;
@@ -45,7 +44,7 @@ type Matrix2x5 = SMatrix<f64, 2, NUMBERS>;
 type Square = SMatrix<f64, NUMBERS, NUMBERS>;
 
 /// The outcome of an observation that neither fits a landmark nor gives the position of a new one.
-const UNPLACEABLE: SlamOutcome = SlamOutcome { landmark: None, verdict: SlamVerdict::Unplaceable };
+const UNDETERMINED: Outcome = Outcome::of(Decision::Undetermined);
 
 /// Extended Kalman filter over the robot's pose (x, y, theta) \[m, m, rad\] and the positions of
 /// all landmarks seen so far \[m\], in the frame of the start.
@@ -190,7 +189,7 @@ impl EkfSlam {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for an observation that is not finite or has a negative range:
     /// none is then used. [`crate::Error::LostPositivity`], with the step: the filter cannot go on.
-    pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<SlamOutcome>> {
+    pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<Outcome>> {
         for observation in observations {
             observation.sight.check()?;
         }
@@ -219,7 +218,7 @@ impl EkfSlam {
     fn correct_known(
         &mut self,
         group: &[LandmarkObservation],
-        outcomes: &mut Vec<SlamOutcome>,
+        outcomes: &mut Vec<Outcome>,
     ) -> Result<()> {
         let first = outcomes.len();
         let mut rows = Vec::with_capacity(2 * group.len());
@@ -231,7 +230,7 @@ impl EkfSlam {
                 }
                 None => {
                     new.push(k);
-                    UNPLACEABLE
+                    UNDETERMINED
                 }
             });
         }
@@ -248,12 +247,12 @@ impl EkfSlam {
     }
 
     /// Processes an observation of a number that the state did not have when its group began.
-    fn add_new(&mut self, observation: &LandmarkObservation) -> Result<SlamOutcome> {
+    fn add_new(&mut self, observation: &LandmarkObservation) -> Result<Outcome> {
         let id = observation.landmark;
         let Some(&landmark) = self.numbers.get(&id) else {
             return match self.locate(observation) {
                 Some(located) => self.add_landmark(id, &located),
-                None => Ok(UNPLACEABLE),
+                None => Ok(UNDETERMINED),
             };
         };
         // It was initialized by an earlier observation of the same group.
@@ -268,7 +267,7 @@ impl EkfSlam {
         &mut self,
         group: &[LandmarkObservation],
         budget: &mut usize,
-        outcomes: &mut Vec<SlamOutcome>,
+        outcomes: &mut Vec<Outcome>,
     ) -> Result<()> {
         let located: Vec<Option<LocatedObservation>> =
             group.iter().map(|seen| self.locate(seen)).collect();
@@ -280,7 +279,7 @@ impl EkfSlam {
             association.map_err(|error| self.state.robot_state().state_error(error))?;
         let distinctive: Vec<bool> = (0..usable.len()).map(|k| pairs.is_distinctive(k)).collect();
         let mut rows = Vec::with_capacity(2 * usable.len());
-        let mut found = vec![UNPLACEABLE; group.len()];
+        let mut found = vec![UNDETERMINED; group.len()];
         let mut new = Vec::new();
         let mut taken: Vec<usize> = association.partners.iter().flatten().copied().collect();
         taken.sort_unstable();
@@ -293,7 +292,7 @@ impl EkfSlam {
                     found[k] = self.evaluate(landmark, group[k].sight, &self.gate, &mut rows)?;
                 }
                 None if nis > self.new_landmark_gate || !distinctive[observation] => new.push(k),
-                None => found[k].verdict = SlamVerdict::Ambiguous(nis),
+                None => found[k] = Outcome::of(Decision::Ambiguous).with_nis(nis),
             }
         }
         self.apply(&rows)?;
@@ -319,28 +318,28 @@ impl EkfSlam {
         &mut self,
         observation: &LandmarkObservation,
         beside: impl Iterator<Item = usize>,
-    ) -> Result<SlamOutcome> {
+    ) -> Result<Outcome> {
         // From the corrected pose.
-        let Some(located) = self.locate(observation) else { return Ok(UNPLACEABLE) };
+        let Some(located) = self.locate(observation) else { return Ok(UNDETERMINED) };
         let mut nearest = f64::INFINITY;
         for landmark in beside {
             let outcome =
                 self.evaluate(landmark, observation.sight, &self.gate, &mut Vec::new())?;
-            nearest = nearest.min(outcome.nis().unwrap_or(f64::INFINITY));
+            nearest = nearest.min(outcome.nis.unwrap_or(f64::INFINITY));
         }
         if nearest <= self.distinct_gate {
-            return Ok(SlamOutcome { landmark: None, verdict: SlamVerdict::Ambiguous(nearest) });
+            return Ok(Outcome::of(Decision::Ambiguous).with_nis(nearest));
         }
         self.add_landmark(self.next_number, &located)
     }
 
     /// Adds a new landmark to the state, unless the map is full.
-    fn add_landmark(&mut self, id: u32, located: &LocatedObservation) -> Result<SlamOutcome> {
+    fn add_landmark(&mut self, id: u32, located: &LocatedObservation) -> Result<Outcome> {
         if self.entries.len() >= self.settings.map.max_landmarks {
-            return Ok(SlamOutcome { landmark: None, verdict: SlamVerdict::MapFull });
+            return Ok(Outcome::of(Decision::MapFull));
         }
         self.initialize_landmark(id, located)?;
-        Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Initialized })
+        Ok(Outcome::of(Decision::NewLandmark).with_landmark(id))
     }
 
     fn update_score(&mut self, id: u32, accepted: bool) {
@@ -370,22 +369,23 @@ impl EkfSlam {
         sight: Observed,
         gate: &Gate,
         rows: &mut Vec<Row<NUMBERS>>,
-    ) -> Result<SlamOutcome> {
+    ) -> Result<Outcome> {
         let (range, bearing) = (sight.range().unwrap_or(0.0), sight.bearing().unwrap_or(0.0));
         let prediction = self.prediction(landmark, range, bearing);
         let covariance = self.innovation_covariance(&prediction);
+        let state = self.state.robot_state();
         let one = |k: usize| {
             let residual = Vector1::new(prediction.residual[k]);
-            self.state.robot_state().innovation(residual, Matrix1::new(covariance[(k, k)]), gate)
+            state.innovation(residual, Matrix1::new(covariance[(k, k)]), gate)
         };
-        let verdict = match sight {
-            Observed::RangeBearing { .. } => SlamVerdict::RangeBearing(
-                self.state.robot_state().innovation(prediction.residual, covariance, gate)?,
-            ),
-            Observed::Range { .. } => SlamVerdict::Range(one(0)?),
-            Observed::Bearing { .. } => SlamVerdict::Bearing(one(1)?),
+        let outcome = match sight {
+            Observed::RangeBearing { .. } => {
+                Outcome::of_innovation(&state.innovation(prediction.residual, covariance, gate)?)
+            }
+            Observed::Range { .. } => Outcome::of_innovation(&one(0)?),
+            Observed::Bearing { .. } => Outcome::of_innovation(&one(1)?),
         };
-        let outcome = SlamOutcome { landmark: Some(self.entries[landmark].id), verdict };
+        let outcome = outcome.with_landmark(self.entries[landmark].id);
         if outcome.accepted() {
             let measured = [sight.range().is_some(), sight.bearing().is_some()];
             rows.extend([0, 1].into_iter().filter(|&k| measured[k]).map(|k| prediction.row(k)));
@@ -395,12 +395,7 @@ impl EkfSlam {
 
     /// Linearises the observation of a landmark, with the residual of a range and a bearing. Of the two,
     /// one that is not measured may be any number.
-    fn prediction(
-        &self,
-        landmark: usize,
-        range: f64,
-        bearing: f64,
-    ) -> PredictedObservation {
+    fn prediction(&self, landmark: usize, range: f64, bearing: f64) -> PredictedObservation {
         let seen = Vector2::new(range, bearing);
         let share = self.settings.common_share;
         let model = self.model(self.state.position(landmark));

@@ -1,7 +1,7 @@
 //! Settings and outcomes of EKF-SLAM.
 
 use crate::association::{AssociationSettings, Associator};
-use crate::{Gate, Innovation, Result};
+use crate::{Gate, Result};
 use loc_core::error::{finite, in_range, non_negative, positive};
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::{Gaussian, Pose2};
@@ -191,71 +191,6 @@ impl SlamSettings {
     /// The NIS up to which two observations of one moment may be of one landmark.
     pub(super) fn distinct_gate(&self) -> Result<f64> {
         Ok(Gate::probability(self.map.distinct_probability)?.threshold(2))
-    }
-}
-
-/// The landmark of an observation, and what was done with it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SlamOutcome {
-    /// Number of the landmark in the map: as it was read, or as the filter gave it. `None` for a
-    /// observation that it found no landmark for.
-    pub landmark: Option<u32>,
-    /// What was done with it, and why.
-    pub verdict: SlamVerdict,
-}
-
-/// What was done with an observation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SlamVerdict {
-    /// Range and bearing were compared with the expectation.
-    RangeBearing(Innovation<2>),
-    /// The distance was.
-    Range(Innovation<1>),
-    /// The direction was.
-    Bearing(Innovation<1>),
-    /// A new landmark was initialized.
-    Initialized,
-    /// It fits no landmark well enough to be of it, and one too well to be of a new one; the NIS
-    /// with the nearest one. Nothing was changed.
-    Ambiguous(f64),
-    /// Something new without a distance or a direction, or so near that it has none; nothing was
-    /// changed.
-    Unplaceable,
-    /// A new landmark, but the map is full; nothing was changed.
-    MapFull,
-}
-
-impl SlamOutcome {
-    /// Whether the observation changed the belief.
-    pub fn accepted(&self) -> bool {
-        match &self.verdict {
-            SlamVerdict::RangeBearing(innovation) => innovation.accepted,
-            SlamVerdict::Range(innovation) | SlamVerdict::Bearing(innovation) => {
-                innovation.accepted
-            }
-            SlamVerdict::Initialized => true,
-            _ => false,
-        }
-    }
-
-    /// The normalised innovation squared, of an observation that was held against a landmark.
-    pub fn nis(&self) -> Option<f64> {
-        match &self.verdict {
-            SlamVerdict::RangeBearing(innovation) => Some(innovation.nis),
-            SlamVerdict::Range(innovation) | SlamVerdict::Bearing(innovation) => {
-                Some(innovation.nis)
-            }
-            _ => None,
-        }
-    }
-
-    /// How many numbers were held against a landmark: the mean of the NIS of a consistent filter.
-    pub fn degrees_of_freedom(&self) -> usize {
-        match &self.verdict {
-            SlamVerdict::RangeBearing(_) => 2,
-            SlamVerdict::Range(_) | SlamVerdict::Bearing(_) => 1,
-            _ => 0,
-        }
     }
 }
 

@@ -11,7 +11,7 @@ fn update(localizer: &mut GridLocalizer, robot: &mut Robot<'_>) -> GridUpdate {
 }
 
 fn is_found(localizer: &GridLocalizer, robot: &Robot<'_>) -> bool {
-    let pose = localizer.estimate().pose();
+    let pose = localizer.belief().pose();
     let turned = angle::difference(pose.theta, robot.truth.theta).abs();
     pose.distance(robot.truth) < 0.2 && turned < 5_f64.to_radians()
 }
@@ -41,7 +41,7 @@ fn a_robot_is_found_followed_and_found_again() {
             for _ in 0..4 {
                 robot.drive();
                 update(&mut localizer, &mut robot);
-                errors.push(localizer.estimate().pose().distance(robot.truth));
+                errors.push(localizer.belief().pose().distance(robot.truth));
                 assert!(localizer.certainty() > 0.9);
             }
         }
@@ -63,7 +63,7 @@ fn the_covariance_is_honest() {
         for _ in 0..5 {
             robot.drive();
             update(&mut localizer, &mut robot);
-            let estimate = localizer.estimate();
+            let estimate = localizer.belief();
             let off = estimate.pose_deviation(robot.truth);
             sum += off.dot(&(estimate.covariance.try_inverse().unwrap() * off));
             count += 1;
@@ -95,7 +95,7 @@ fn the_belief_adds_up_and_the_whole_map_can_be_read() {
     let width = squares.width() as isize;
     let apart = most.unwrap() as isize - at.unwrap() as isize;
     assert!([0, 1, width, width + 1, width - 1].contains(&apart.abs()), "{apart}");
-    let hypotheses = localizer.hypotheses(3);
+    let hypotheses = localizer.peaks(3);
     assert!(hypotheses.len() <= 3 && hypotheses[0].0 == localizer.certainty());
     assert!(hypotheses.windows(2).all(|pair| pair[0].0 >= pair[1].0));
 }
@@ -111,7 +111,7 @@ fn it_is_the_same_every_time() {
             robot.drive();
             update(&mut localizer, &mut robot);
         }
-        (localizer.estimate(), localizer.position_probabilities())
+        (localizer.belief(), localizer.position_probabilities())
     };
     assert_eq!(run(), run());
 }
@@ -125,10 +125,10 @@ fn a_robot_at_rest_takes_in_one_scan() {
     localizer.start_at(&pose_belief(robot.truth, [0.05, 0.05, 0.02])).unwrap();
     assert!(matches!(update(&mut localizer, &mut robot), GridUpdate::Done(_)));
     assert_eq!(update(&mut localizer, &mut robot), GridUpdate::StoodStill);
-    let before = localizer.estimate();
+    let before = localizer.belief();
     let step = Pose2::new(0.05, 0.0, 0.02);
     localizer.odometry(robot.odometry * step).unwrap();
-    let after = localizer.estimate();
+    let after = localizer.belief();
     assert!(after.pose().distance(before.pose() * step) < 1e-12);
     assert!(after.covariance.trace() > before.covariance.trace());
 }

@@ -85,7 +85,7 @@ fn what_cannot_be_a_scan_leaves_the_belief() {
     let mut robot = Robot::new(&map, 1);
     let mut localizer = localizer(&map);
     localizer.start_at(&pose_belief(robot.truth, [0.1, 0.1, 0.05])).unwrap();
-    let before = localizer.estimate();
+    let before = localizer.belief();
     let good = robot.scan();
     let mut all_wrong = good.clone();
     all_wrong.ranges.fill(f64::NAN);
@@ -98,7 +98,7 @@ fn what_cannot_be_a_scan_leaves_the_belief() {
     assert!(localizer.update(nowhere, &good, Pose2::IDENTITY).is_err());
     assert!(localizer.update(robot.odometry, &good, nowhere).is_err());
     assert!(localizer.odometry(nowhere).is_err());
-    assert_eq!(localizer.estimate(), before);
+    assert_eq!(localizer.belief(), before);
 }
 
 /// Beams that saw nothing say nothing: the belief is moved along only.
@@ -112,7 +112,7 @@ fn a_blind_scan_is_a_motion() {
     scan.ranges.fill(f64::INFINITY);
     let update = localizer.update(robot.odometry, &scan, Pose2::IDENTITY).unwrap();
     assert_eq!(update, GridUpdate::Blind);
-    assert!(localizer.estimate().pose().distance(robot.truth) < 0.05);
+    assert!(localizer.belief().pose().distance(robot.truth) < 0.05);
 }
 
 /// A tenth of the beams NaN, a tenth without a return: the others do.
@@ -128,7 +128,7 @@ fn broken_beams_are_left_out() {
     }
     localizer.start_at(&pose_belief(robot.truth, [0.2, 0.2, 0.1])).unwrap();
     localizer.update(robot.odometry, &scan, Pose2::IDENTITY).unwrap();
-    assert!(localizer.estimate().pose().distance(robot.truth) < 0.05);
+    assert!(localizer.belief().pose().distance(robot.truth) < 0.05);
 }
 
 /// Odometry that jumps leads nowhere on the map: the next scans find the robot anew.
@@ -151,7 +151,7 @@ fn a_jump_of_the_odometry_is_survived() {
                 robot.drive();
             }
         }
-        let estimate = localizer.estimate();
+        let estimate = localizer.belief();
         assert!(estimate.mean.iter().chain(&estimate.covariance).all(|v| v.is_finite()));
         assert!(estimate.pose().distance(robot.truth) < 0.4, "{jump}: {}", estimate.pose());
     }
@@ -173,7 +173,7 @@ fn starts_in_a_wall_or_off_the_map_are_refused() {
     // Known exactly, or hardly at all: both are starts.
     let robot = Robot::new(&map, 3);
     localizer.start_at(&Gaussian::certain(robot.truth.to_vector())).unwrap();
-    assert!(localizer.estimate().pose().distance(robot.truth) < 0.03);
+    assert!(localizer.belief().pose().distance(robot.truth) < 0.03);
     localizer.start_at(&pose_belief(robot.truth, [3.0, 3.0, 2.0])).unwrap();
-    assert!(localizer.estimate().covariance.trace() > 0.1);
+    assert!(localizer.belief().covariance.trace() > 0.1);
 }

@@ -4,7 +4,9 @@ use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2, angle};
 use loc_filters::Error;
-use loc_filters::lateration::{RangeBias, RangeOutcome, SlidingLateration, SlidingSettings};
+use loc_filters::delayed::Delayed;
+use loc_filters::lateration::{RangeBias, SlidingLateration, SlidingSettings};
+use loc_filters::localizer::{Decision, Localizer, Outcome};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Point2, Vector2};
@@ -81,9 +83,9 @@ fn run(seed: u64, settings: SlidingSettings) -> (f64, f64, Option<RangeBias>) {
     while drive.step < 400 {
         robot.velocity(drive.stamp(), drive.drive()).unwrap();
         let observation = drive.hear();
-        robot.ranges(drive.stamp(), &[observation]).unwrap();
+        robot.observations(drive.stamp(), &[observation]).unwrap();
         if drive.step > 100 {
-            let found = robot.estimate(drive.stamp()).unwrap().unwrap();
+            let found = robot.belief_at(drive.stamp()).unwrap().unwrap();
             let error: Vector2<f64> = drive.pose.position() - found.pose().position();
             square += error.norm_squared();
             nees += loc_core::stats::nees(&error, &found.position().covariance).unwrap();
@@ -120,15 +122,15 @@ fn the_heading_outlives_the_window() {
     while drive.step < 200 {
         robot.velocity(drive.stamp(), drive.drive()).unwrap();
         let observation = drive.hear();
-        robot.ranges(drive.stamp(), &[observation]).unwrap();
+        robot.observations(drive.stamp(), &[observation]).unwrap();
     }
     robot.velocity(drive.stamp(), Twist2::ZERO).unwrap();
     for _ in 0..200 {
         drive.step += 1;
         let observation = drive.hear();
-        robot.ranges(drive.stamp(), &[observation]).unwrap();
+        robot.observations(drive.stamp(), &[observation]).unwrap();
     }
-    let found = robot.estimate(drive.stamp()).unwrap().unwrap();
+    let found = robot.belief_at(drive.stamp()).unwrap().unwrap();
     let off = angle::difference(found.mean.z, drive.pose.theta).abs();
     assert!(off < 0.15 && found.covariance.m33.sqrt() < 0.1, "{off} {}", found.covariance.m33);
     assert!(found.pose().distance(drive.pose) < 0.1);
@@ -150,19 +152,20 @@ fn late_inputs_end_where_punctual_ones_do() {
     }
     let start = pose_belief(Pose2::new(4.0, 2.0, 0.3), [0.1, 0.1, 0.05]);
     let follow = |inputs: &[(f64, f64, Result<LandmarkObservation, Twist2>)]| {
-        let mut robot = SlidingLateration::new(map(), SlidingSettings::default(), 0.0)
+        let robot = SlidingLateration::new(map(), SlidingSettings::default(), 0.0)
             .unwrap()
             .start_at(&start)
             .unwrap();
+        let mut robot = Delayed::new(robot, 2.0).unwrap();
         for (_, stamp, input) in inputs {
             match input {
-                Ok(observation) => drop(robot.ranges(*stamp, &[*observation]).unwrap()),
+                Ok(observation) => drop(robot.observations(*stamp, &[*observation]).unwrap()),
                 Err(twist) => robot.velocity(*stamp, *twist).unwrap(),
             }
         }
         // One more for both, so that both solve the same window last.
-        robot.ranges(12.5, &[heard(1, 4.0)]).unwrap();
-        robot.estimate(12.5).unwrap().unwrap()
+        robot.observations(12.5, &[heard(1, 4.0)]).unwrap();
+        robot.newest().belief_at(12.5).unwrap().unwrap()
     };
     let punctual = follow(&inputs);
     inputs.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -172,26 +175,30 @@ fn late_inputs_end_where_punctual_ones_do() {
 #[test]
 fn what_cannot_be_used_is_told() {
     let mut robot = SlidingLateration::new(map(), SlidingSettings::default(), 0.0).unwrap();
-    assert!(robot.estimate(0.0).unwrap().is_none() && robot.bias().is_none());
+    assert!(robot.belief_at(0.0).unwrap().is_none() && robot.bias().is_none());
     let bearing = LandmarkObservation { landmark: 1, sight: Observed::Bearing { bearing: 0.1 } };
-    let outcomes = robot.ranges(0.0, &[heard(99, 1.0), bearing, heard(1, 5.0)]).unwrap();
-    let expected = [RangeOutcome::UnknownLandmark, RangeOutcome::NoRange, RangeOutcome::Waiting];
-    assert_eq!(outcomes, expected);
+    let decisions = |outcomes: Vec<Outcome>| -> Vec<Decision> {
+        outcomes.iter().map(|outcome| outcome.decision).collect()
+    };
+    let outcomes = robot.observations(0.0, &[heard(99, 1.0), bearing, heard(1, 5.0)]).unwrap();
+    let expected = [Decision::UnknownLandmark, Decision::Undetermined, Decision::Pending];
+    assert_eq!(decisions(outcomes), expected);
     // Three circles through (3, 4); the fourth is far off.
     let near = [heard(2, 65_f64.sqrt()), heard(4, 5.0), heard(5, 2.0), heard(3, 65_f64.sqrt())];
-    assert_eq!(robot.ranges(0.1, &near).unwrap(), [RangeOutcome::Fits; 4]);
-    assert_eq!(robot.ranges(0.2, &[heard(3, 3.0)]).unwrap(), [RangeOutcome::Off]);
-    let before = robot.estimate(0.3).unwrap().unwrap();
+    assert_eq!(decisions(robot.observations(0.1, &near).unwrap()), [Decision::Accepted; 4]);
+    let outlier = robot.observations(0.2, &[heard(3, 3.0)]).unwrap();
+    assert_eq!(decisions(outlier), [Decision::Rejected]);
+    let before = robot.belief_at(0.3).unwrap().unwrap();
     for range in [-1.0, f64::NAN, f64::INFINITY] {
-        assert!(robot.ranges(0.3, &[heard(1, 5.0), heard(1, range)]).is_err());
+        assert!(robot.observations(0.3, &[heard(1, 5.0), heard(1, range)]).is_err());
     }
     assert!(robot.velocity(0.3, Twist2::forward(f64::NAN, 0.0)).is_err());
-    assert!(robot.ranges(f64::NAN, &[heard(1, 5.0)]).is_err());
-    assert_eq!(robot.estimate(0.3).unwrap().unwrap(), before);
+    assert!(robot.observations(f64::NAN, &[heard(1, 5.0)]).is_err());
+    assert_eq!(robot.belief_at(0.3).unwrap().unwrap(), before);
     robot.velocity(10.0, Twist2::ZERO).unwrap();
-    let error = robot.ranges(7.9, &[heard(1, 5.0)]).unwrap_err();
+    let error = robot.observations(7.9, &[heard(1, 5.0)]).unwrap_err();
     assert!(matches!(error, Error::TooLate { .. }), "{error}");
-    assert!(robot.estimate(f64::INFINITY).is_err());
+    assert!(robot.belief_at(f64::INFINITY).is_err());
 }
 
 #[test]
@@ -200,7 +207,6 @@ fn settings_that_make_no_sense_are_refused() {
     for settings in [
         SlidingSettings { window: 0, ..usual },
         SlidingSettings { walk: 0.0, ..usual },
-        SlidingSettings { horizon: -1.0, ..usual },
         SlidingSettings { antenna: Point2::new(f64::NAN, 0.0), ..usual },
     ] {
         assert!(SlidingLateration::new(map(), settings, 0.0).is_err());

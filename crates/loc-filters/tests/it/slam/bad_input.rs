@@ -1,7 +1,8 @@
 use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::Error;
-use loc_filters::slam::{EkfSlam, Identities, MapSettings, SlamSettings, SlamVerdict};
+use loc_filters::localizer::Decision;
+use loc_filters::slam::{EkfSlam, Identities, MapSettings, SlamSettings};
 use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
 use nalgebra::{Matrix3, Vector3};
 
@@ -47,12 +48,12 @@ fn sightings_that_cannot_be_used_have_a_reason() {
     let mut slam = EkfSlam::new(certain(), settings).unwrap();
     let bearing = LandmarkObservation { landmark: 9, sight: Observed::Bearing { bearing: 0.3 } };
     let seen = [see(1, 4.0, 0.0), bearing, see(2, 0.0, 0.0), see(3, 2.0, 1.0), see(4, 2.0, -1.0)];
-    let verdicts: Vec<_> = slam.correct(&seen).unwrap().iter().map(|o| o.verdict).collect();
-    let [born, unplaceable] = [SlamVerdict::Initialized, SlamVerdict::Unplaceable];
-    assert_eq!(verdicts, [born, unplaceable, unplaceable, born, SlamVerdict::MapFull]);
+    let verdicts: Vec<_> = slam.correct(&seen).unwrap().iter().map(|o| o.decision).collect();
+    let [born, unplaceable] = [Decision::NewLandmark, Decision::Undetermined];
+    assert_eq!(verdicts, [born, unplaceable, unplaceable, born, Decision::MapFull]);
     // One that contradicts what is known is turned away.
     let wrong = slam.correct(&[see(3, 2.0, 2.0)]).unwrap()[0];
-    assert!(!wrong.accepted() && wrong.nis().unwrap() > 100.0);
+    assert!(!wrong.accepted() && wrong.nis.unwrap() > 100.0);
 }
 
 /// Two observations of a number that contradict each other: the landmark goes, and comes back where

@@ -3,7 +3,8 @@
 use approx::assert_relative_eq;
 use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2, Twist2};
-use loc_filters::slam::{EkfSlam, Identities, Jacobians, SlamSettings, SlamVerdict};
+use loc_filters::localizer::Decision;
+use loc_filters::slam::{EkfSlam, Identities, Jacobians, SlamSettings};
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{DMatrix, Rotation2, Vector2};
 
@@ -87,9 +88,9 @@ fn what_stands_beside_a_known_landmark_is_new() {
     }
     // As far as observations of one landmark may lie apart: it may have been seen twice.
     let twice = slam.correct(&[see(0, 4.0, 0.0), see(0, 4.0, 0.02)]).unwrap();
-    assert!(twice[0].accepted() && matches!(twice[1].verdict, SlamVerdict::Ambiguous(_)));
+    assert!(twice[0].accepted() && twice[1].decision == Decision::Ambiguous);
     let beside = slam.correct(&[see(0, 4.0, 0.0), see(0, 4.0, 0.06)]).unwrap();
-    assert!(beside[0].accepted() && beside[1].verdict == SlamVerdict::Initialized, "{beside:?}");
+    assert!(beside[0].accepted() && beside[1].decision == Decision::NewLandmark, "{beside:?}");
     assert_eq!(slam.len(), 2);
 }
 

@@ -1,18 +1,22 @@
 use loc_core::motion::Integration;
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2};
-use loc_filters::Error;
+use loc_filters::delayed::Delayed;
+use loc_filters::localizer::{Decision, Localizer};
 use loc_filters::slam::{SlamLocalizer, SlamSettings};
 use loc_sensors::landmark_camera::LandmarkCamera;
 use loc_sensors::world::Landmarks;
 
 /// Late observations end where punctual ones do, to the bit; beyond the horizon they are refused.
 #[test]
-fn late_sightings_end_where_punctual_ones_do() {
+fn late_observations_end_where_punctual_ones_do() {
     let world = Landmarks::from([(1, [4.0, 0.0]), (2, [0.0, 4.0]), (3, [-3.0, -3.0])]);
     let camera = LandmarkCamera::default();
     let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
-    let make = || SlamLocalizer::new(SlamSettings::default(), 0.0, start, 1.0).unwrap();
+    let make = || {
+        let slam = SlamLocalizer::new(SlamSettings::default(), 0.0, start).unwrap();
+        Delayed::new(slam, 1.0).unwrap()
+    };
     let (mut punctual, mut late, mut rng) = (make(), make(), stream(9, "camera"));
     let twist = Twist2::forward(0.5, 0.3);
     let mut waiting = Vec::new();
@@ -35,10 +39,12 @@ fn late_sightings_end_where_punctual_ones_do() {
         late.observations(seen, &observations).unwrap();
     }
     assert_eq!(punctual.estimate(6.0).unwrap(), late.estimate(6.0).unwrap());
-    assert_eq!(punctual.landmarks().unwrap(), late.landmarks().unwrap());
+    assert_eq!(punctual.map().unwrap(), late.map().unwrap());
     let truth = Integration::ExactArc.step(Pose2::IDENTITY, twist, 6.0);
-    assert!(punctual.estimate(6.0).unwrap().pose().distance(truth) < 0.3);
-    assert!(matches!(late.observations(1.0, &[]), Err(Error::TooLate { .. })));
+    assert!(punctual.estimate(6.0).unwrap().pose.distance(truth) < 0.3);
+    let seen = camera.observe(&world, truth, &mut rng);
+    let refused = late.observations(1.0, &seen[..1]).unwrap();
+    assert_eq!(refused[0].decision, Decision::TooLate);
     assert!(late.velocity(7.0, Twist2::forward(f64::NAN, 0.0)).is_err());
     assert_eq!(punctual.estimate(7.0).unwrap(), late.estimate(7.0).unwrap());
     assert!(late.estimate(f64::NAN).is_err());

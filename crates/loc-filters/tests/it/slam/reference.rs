@@ -3,7 +3,8 @@
 use approx::assert_relative_eq;
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2, angle};
-use loc_filters::slam::{EkfSlam, Jacobians, SlamSettings, SlamVerdict};
+use loc_filters::localizer::Decision;
+use loc_filters::slam::{EkfSlam, Jacobians, SlamSettings};
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use rand::RngExt;
@@ -149,7 +150,7 @@ fn equals_the_textbook_on_full_matrices() {
         seen.dedup_by_key(|observation| observation.landmark);
         let outcomes = slam.correct(&seen).unwrap();
         book.correct(&seen);
-        assert_eq!(outcomes[0].verdict, SlamVerdict::Initialized);
+        assert_eq!(outcomes[0].decision, Decision::NewLandmark);
         let (p, pose) = (slam.covariance().unwrap(), slam.pose().unwrap());
         assert_eq!(p.shape(), book.p.shape());
         assert!((&p - &book.p).amax() < 1e-12 * step.max(1) as f64, "step {step}");
@@ -179,7 +180,7 @@ fn two_sightings_of_one_landmark_by_hand() {
     assert_relative_eq!(born.covariance, Matrix2::new(0.0025, 0.0, 0.0, across), epsilon = 1e-15);
     let outcome = slam.correct(&[ahead(4.1)]).unwrap()[0];
     // S = 0.0025 + 0.0025, residual 0.1: NIS = 0.01 / 0.005 = 2.
-    assert_relative_eq!(outcome.nis().unwrap(), 2.0, epsilon = 1e-12);
+    assert_relative_eq!(outcome.nis.unwrap(), 2.0, epsilon = 1e-12);
     let seen_twice = slam.landmark(3).unwrap().unwrap();
     assert_relative_eq!(seen_twice.position.mean.x, 4.05, epsilon = 1e-12);
     assert_relative_eq!(seen_twice.position.covariance.m11, 0.00125, epsilon = 1e-15);

@@ -3,7 +3,8 @@
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::association::{AssociationSettings, Rule};
-use loc_filters::slam::{EkfSlam, Identities, SlamSettings, SlamVerdict};
+use loc_filters::localizer::Decision;
+use loc_filters::slam::{EkfSlam, Identities, SlamSettings};
 use loc_sensors::landmark_camera::{LandmarkCamera, LandmarkObservation, Observed};
 use loc_sensors::world::Landmarks;
 use rand::RngExt;
@@ -69,7 +70,7 @@ fn what_is_seen_once_and_never_again_is_removed() {
         slam.correct(&real).unwrap();
     }
     let ghost = slam.correct(&[see(2.0, 0.0)]).unwrap()[0];
-    assert_eq!(ghost.verdict, SlamVerdict::Initialized);
+    assert_eq!(ghost.decision, Decision::NewLandmark);
     let id = ghost.landmark.unwrap();
     assert!(!slam.landmark(id).unwrap().unwrap().confirmed);
     for _ in 0..5 {
@@ -82,7 +83,7 @@ fn what_is_seen_once_and_never_again_is_removed() {
     assert!(next > id);
     // Neither close enough to a landmark nor far enough from all.
     let near = slam.correct(&[see(3.17, 0.5)]).unwrap()[0];
-    assert!(matches!(near.verdict, SlamVerdict::Ambiguous(nis) if nis > 9.2), "{near:?}");
+    assert!(near.decision == Decision::Ambiguous && near.nis.unwrap() > 9.2, "{near:?}");
 }
 
 /// A round of 44 m among 28 landmarks, of which few are in view at a time: when the robot comes
