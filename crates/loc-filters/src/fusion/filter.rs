@@ -2,7 +2,7 @@
 
 use super::models::{
     CompassModel, DirectionModel, DistanceModel, FusedMotion, InertialModel, ObservationModel,
-    PositionModel, Walked, WheelModel,
+    PositionModel, RandomWalk, WheelModel,
 };
 use super::state::{FusedBelief, SPEED, STATES, Square, TURN};
 use super::{FusionOutcome, FusionSensor, FusionSettings};
@@ -39,22 +39,22 @@ pub(super) enum Input {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Held<F> {
+pub(super) struct FilterState<F> {
     filter: F,
     settings: FusionSettings,
     gate: Gate,
     map: Arc<LandmarkMap>,
     pub(super) stamp: f64,
-    wheels: Pulse,
-    inertial: Pulse,
+    wheels: SensorTiming,
+    inertial: SensorTiming,
     acceleration: f64,
     sideways: f64,
-    /// What the velocity has walked since it was measured last.
-    walked: Walked,
+    /// What the velocity has pending_walk since it was measured last.
+    pending_walk: RandomWalk,
     steps: u64,
 }
 
-impl<F: NonlinearFilter<STATES>> Held<F> {
+impl<F: NonlinearFilter<STATES>> FilterState<F> {
     pub(super) fn new(
         map: Arc<LandmarkMap>,
         settings: FusionSettings,
@@ -63,17 +63,17 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
     ) -> Result<Self> {
         let gate = settings.check()?;
         let belief = super::state::belief(&settings, start)?;
-        Ok(Held {
+        Ok(FilterState {
             filter: F::start(belief, &[super::state::THETA])?,
             settings,
             gate,
             map,
             stamp,
-            wheels: Pulse::SILENT,
-            inertial: Pulse::SILENT,
+            wheels: SensorTiming::SILENT,
+            inertial: SensorTiming::SILENT,
             acceleration: 0.0,
             sideways: 0.0,
-            walked: Walked { speed: 0.0, turn: 0.0 },
+            pending_walk: RandomWalk { speed: 0.0, turn: 0.0 },
             steps: 0,
         })
     }
@@ -95,38 +95,38 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
         Error::LostPositivity { what: "diagonal of the fused covariance", step: self.steps, found }
     }
 
-    /// Drives on to a time \[s\], through every moment at which a measurement ceases to hold.
+    /// Predicts to a time \[s\], in steps that end where a measurement ceases to hold.
     // ANCHOR: drive-to
-    pub(super) fn drive_to(&mut self, stamp: f64) -> Result<()> {
+    pub(super) fn predict_to(&mut self, stamp: f64) -> Result<()> {
         let longest = PIECE.max((stamp - self.stamp) / MAX_PIECES);
         while self.stamp < stamp {
             let known = self.wheels.holds(self.stamp);
             let turn_known = known || self.inertial.holds(self.stamp);
             let mut end = stamp;
-            for pulse in [&self.wheels, &self.inertial] {
-                if pulse.holds(self.stamp) {
-                    end = end.min(pulse.until);
+            for timing in [&self.wheels, &self.inertial] {
+                if timing.holds(self.stamp) {
+                    end = end.min(timing.until);
                 }
             }
             if !(known && turn_known) {
                 end = end.min(self.stamp + longest);
                 self.walk(!known, !turn_known)?;
             }
-            self.piece(end)?;
+            self.predict_step(end)?;
         }
         Ok(())
     }
     // ANCHOR_END: drive-to
 
-    fn piece(&mut self, end: f64) -> Result<()> {
+    fn predict_step(&mut self, end: f64) -> Result<()> {
         let dt = end - self.stamp;
         let acceleration = self.inertial.holds(self.stamp).then_some(self.acceleration);
         let sideways = if self.wheels.holds(self.stamp) { self.sideways } else { 0.0 };
         let motion = FusedMotion::new(&self.settings, dt, sideways, acceleration);
         self.filter.predict(&motion)?;
         let FusionSettings { speed_walk, slope_walk, turn_walk, imu, .. } = &self.settings;
-        self.walked.turn += turn_walk * turn_walk * dt;
-        self.walked.speed += dt
+        self.pending_walk.turn += turn_walk * turn_walk * dt;
+        self.pending_walk.speed += dt
             * match acceleration {
                 Some(_) => slope_walk * slope_walk + imu.accelerometer.density.powi(2),
                 None => speed_walk * speed_walk,
@@ -139,18 +139,22 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
     /// again and again, it does so only then: what was measured holds in between, with the
     /// sensor's own noise.
     fn walk(&mut self, speed: bool, turn: bool) -> Result<()> {
-        let take = |wanted: bool, walked: &mut f64| {
-            if wanted { std::mem::take(walked) } else { 0.0 }
+        let take = |wanted: bool, pending_walk: &mut f64| {
+            if wanted { std::mem::take(pending_walk) } else { 0.0 }
         };
-        let walked = Walked {
-            speed: take(speed, &mut self.walked.speed),
-            turn: take(turn, &mut self.walked.turn),
+        let pending_walk = RandomWalk {
+            speed: take(speed, &mut self.pending_walk.speed),
+            turn: take(turn, &mut self.pending_walk.turn),
         };
-        if walked.speed > 0.0 || walked.turn > 0.0 { self.filter.predict(&walked) } else { Ok(()) }
+        if pending_walk.speed > 0.0 || pending_walk.turn > 0.0 {
+            self.filter.predict(&pending_walk)
+        } else {
+            Ok(())
+        }
     }
 
     fn odometry(&mut self, stamp: f64, twist: &Twist2) -> Result<FusionOutcome> {
-        let period = self.wheels.beat(stamp);
+        let period = self.wheels.record(stamp);
         self.walk(true, true)?;
         // Nothing but an inertial unit knows better than the wheels how the robot moves.
         let better_known = self.inertial.holds(self.stamp);
@@ -174,7 +178,7 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
     }
 
     fn inertial(&mut self, stamp: f64, reading: &ImuReading) -> Result<FusionOutcome> {
-        self.inertial.beat(stamp);
+        self.inertial.record(stamp);
         self.walk(false, true)?;
         let imu = &self.settings.imu;
         let period = 1.0 / imu.rate;
@@ -211,12 +215,12 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
     fn observation(&mut self, observation: &LandmarkObservation) -> Result<FusionOutcome> {
         let sensor = FusionSensor::Landmark(observation.landmark);
         let Some(landmark) = self.map.get(observation.landmark) else {
-            return Ok(FusionOutcome::refused(sensor));
+            return Ok(FusionOutcome::rejected(sensor));
         };
         let FusionSettings { mounting, observation_noise: noise, .. } = self.settings;
         let landmark = landmark.position.xy();
         let sight = RangeBearingModel { landmark, mounting, noise };
-        let model = if F::BENDS {
+        let model = if F::SECOND_ORDER {
             ObservationModel::straight(sight)
         } else {
             ObservationModel::new(sight, self.filter.belief())
@@ -238,10 +242,10 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
         })
     }
 
-    fn take(&mut self, stamp: f64, input: &Input) -> Result<Vec<FusionOutcome>> {
+    fn apply(&mut self, stamp: f64, input: &Input) -> Result<Vec<FusionOutcome>> {
         // Inputs from before the start belong to the start.
         let stamp = stamp.max(self.stamp);
-        self.drive_to(stamp)?;
+        self.predict_to(stamp)?;
         self.steps += 1;
         let outcomes = match input {
             Input::Odometry(twist) => vec![self.odometry(stamp, twist)?],
@@ -264,24 +268,24 @@ impl<F: NonlinearFilter<STATES>> Held<F> {
     }
 }
 
-impl<F: NonlinearFilter<STATES>> Held<Recorded<F, STATES>> {
+impl<F: NonlinearFilter<STATES>> FilterState<Recorded<F, STATES>> {
     pub(super) fn past(&self) -> &Smoother<STATES> {
         self.filter.past()
     }
 }
 
-impl<F: NonlinearFilter<STATES>> Step for Held<F> {
+impl<F: NonlinearFilter<STATES>> Step for FilterState<F> {
     type Input = Input;
     type Report = Vec<FusionOutcome>;
 
     fn step(&mut self, stamp: f64, input: &Input) -> Result<Vec<FusionOutcome>> {
         let mut next = self.clone();
-        let outcomes = next.take(stamp, input)?;
+        let outcomes = next.apply(stamp, input)?;
         *self = next;
         Ok(outcomes)
     }
 
-    /// Of one stamp, first what tells how the robot moves, then where it is.
+    /// Of one stamp, velocities come before positions.
     fn rank(input: &Input) -> u64 {
         match input {
             Input::Odometry(_) => 0,
@@ -296,8 +300,6 @@ impl<F: NonlinearFilter<STATES>> Step for Held<F> {
     }
 }
 
-// For how long a measurement holds.
-
 /// What a sensor measured holds for so many of its periods.
 const HOLDS: f64 = 1.5;
 /// A sensor's period as long as only one reading is known, and the longest \[s\].
@@ -306,20 +308,20 @@ const LONGEST_PERIOD: f64 = 1.0;
 
 /// A sensor that measures again and again.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Pulse {
+pub(super) struct SensorTiming {
     last: Option<f64>,
     /// When its last measurement ceases to hold \[s\].
     pub(super) until: f64,
 }
 
-impl Pulse {
-    pub(super) const SILENT: Pulse = Pulse { last: None, until: f64::NEG_INFINITY };
+impl SensorTiming {
+    pub(super) const SILENT: SensorTiming = SensorTiming { last: None, until: f64::NEG_INFINITY };
 
     /// A measurement at `stamp` \[s\]; the answer is the time since the last one.
-    pub(super) fn beat(&mut self, stamp: f64) -> f64 {
+    pub(super) fn record(&mut self, stamp: f64) -> f64 {
         let since = self.last.map(|last| stamp - last).filter(|since| *since > 0.0);
         let period = since.unwrap_or(FIRST_PERIOD).min(LONGEST_PERIOD);
-        *self = Pulse { last: Some(stamp), until: stamp + HOLDS * period };
+        *self = SensorTiming { last: Some(stamp), until: stamp + HOLDS * period };
         period
     }
 

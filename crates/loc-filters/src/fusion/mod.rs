@@ -1,14 +1,13 @@
 //! Sensor fusion: wheels, gyroscope, accelerometers, compass, satellites and landmarks in one
 //! extended Kalman filter (H1).
 //!
-//! Each sensor knows something, none of them knows it all, and each may fall silent. The filter
-//! believes twelve numbers: the pose, the speed and the turn rate, and how wrong the sensors are
-//! that are wrong for longer: the biases of gyroscope and accelerometers, scale and offset of
+//! Each sensor measures a part of the motion, and each may stop sending. The filter has twelve states:
+//! the pose, the speed and the turn rate, and the slowly varying errors of the sensors: the biases of gyroscope and accelerometers, scale and offset of
 //! ranges, the drift of the satellite receiver. Between measurements it predicts to the stamp of
-//! the next one, whichever sensor it comes from; a measurement that fits too badly is turned away
-//! by its gate. What no sensor tells becomes uncertain, at its own rate.
+//! the next one, whichever sensor it comes from; a measurement with too large an innovation is
+//! rejected by its gate. The variance of a state that no sensor measures grows, at its own rate.
 //!
-//! Measurements may come late, up to the settings' horizon: the filter goes back, see
+//! Measurements may arrive late, up to the horizon of the settings, see
 //! [`delayed`](crate::delayed). Of one stamp, the kinds have an order of their own, so that the
 //! result does not depend on which came first.
 //!
@@ -45,7 +44,7 @@ use crate::delayed::DelayedFilter;
 use crate::lateration::BiasPrior;
 use crate::smoother::Recorded;
 use crate::{ExtendedKalmanFilter, Gate, Innovation, NonlinearFilter, Result};
-use filter::{Held, Input};
+use filter::{FilterState, Input};
 use loc_core::error::{finite, non_negative, positive};
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::{Gaussian, Pose2, Twist2};
@@ -62,7 +61,7 @@ use std::sync::Arc;
 /// unless another one is named.
 #[derive(Debug, Clone)]
 pub struct FusedLocalizer<F: NonlinearFilter<STATES> = ExtendedKalmanFilter<STATES>> {
-    filter: DelayedFilter<Held<F>>,
+    filter: DelayedFilter<FilterState<F>>,
     /// Between two samples of the inertial unit \[s\].
     period: f64,
 }
@@ -95,8 +94,8 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         start: Gaussian<3>,
     ) -> Result<Self> {
         let stamp = loc_core::error::finite("start time [s]", stamp)?;
-        let held = Held::new(map.into(), settings, stamp, &start)?;
-        let filter = DelayedFilter::new(held, settings.horizon)?;
+        let state = FilterState::new(map.into(), settings, stamp, &start)?;
+        let filter = DelayedFilter::new(state, settings.horizon)?;
         Ok(FusedLocalizer { filter, period: 1.0 / settings.imu.rate })
     }
 
@@ -164,9 +163,9 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
     /// [`crate::Error::LostPositivity`].
     pub fn estimate(&self, stamp: f64) -> Result<FusedBelief> {
         loc_core::error::finite("stamp [s]", stamp)?;
-        let mut held = self.filter.at(stamp).clone();
-        held.drive_to(stamp)?;
-        held.belief()
+        let mut state = self.filter.at(stamp).clone();
+        state.predict_to(stamp)?;
+        state.belief()
     }
 
     fn one(
@@ -177,12 +176,12 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         sensor: FusionSensor,
     ) -> Result<FusionOutcome> {
         let outcomes = self.filter.input(what, stamp, input)?;
-        Ok(outcomes.first().copied().unwrap_or(FusionOutcome::refused(sensor)))
+        Ok(outcomes.first().copied().unwrap_or(FusionOutcome::rejected(sensor)))
     }
 }
 
 impl<F: NonlinearFilter<STATES>> FusedLocalizer<Recorded<F, STATES>> {
-    /// Asks for the belief at a time \[s\], to be smoothed later.
+    /// Marks the belief at a time \[s\], to be smoothed later.
     ///
     /// # Errors
     /// As [`odometry`](FusedLocalizer::odometry).
@@ -201,9 +200,7 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<Recorded<F, STATES>> {
     }
 }
 
-// What the fused filter can be told.
-
-/// All that the fused filter can be told. Of a sensor that the robot does not have, the settings
+/// Settings of sensor fusion. Of a sensor that the robot does not have, the settings
 /// do not matter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -302,8 +299,6 @@ impl Default for FusionSettings {
     }
 }
 
-// What became of a measurement.
-
 /// The sensor that measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FusionSensor {
@@ -328,14 +323,14 @@ pub struct FusionOutcome {
     pub accepted: bool,
     /// Normalised innovation squared; `None` for a landmark that the map does not have.
     pub nis: Option<f64>,
-    /// How many numbers were held against the expectation: 0, 1 or 2.
+    /// Dimension of the measurement: 0, 1 or 2.
     pub degrees_of_freedom: usize,
     whitened: Vector2<f64>,
 }
 
 impl FusionOutcome {
     /// A measurement that nothing is expected of.
-    fn refused(sensor: FusionSensor) -> Self {
+    fn rejected(sensor: FusionSensor) -> Self {
         let whitened = Vector2::zeros();
         FusionOutcome { sensor, accepted: false, nis: None, degrees_of_freedom: 0, whitened }
     }

@@ -17,12 +17,12 @@ use std::sync::Arc;
 /// With the extended Kalman filter, unless another one is named.
 #[derive(Debug, Clone)]
 pub struct LandmarkLocalizer<F: NonlinearFilter<3> = ExtendedKalmanFilter<3>> {
-    filter: DelayedFilter<Held<F>>,
+    filter: DelayedFilter<LocalizerState<F>>,
 }
 
-/// The filter at the stamp of its last input, with the velocity that it drives on with.
+/// The filter at the stamp of its last input, and the velocity that holds since then.
 #[derive(Debug, Clone)]
-struct Held<F> {
+struct LocalizerState<F> {
     ekf: LandmarkFilter<F>,
     stamp: f64,
     twist: Twist2,
@@ -64,8 +64,8 @@ impl<F: NonlinearFilter<3>> LandmarkLocalizer<F> {
     ) -> Result<Self> {
         let stamp = loc_core::error::finite("start time [s]", stamp)?;
         let ekf = LandmarkFilter::new(start, settings)?;
-        let held = Held { ekf, stamp, twist: Twist2::ZERO, map: map.into() };
-        Ok(LandmarkLocalizer { filter: DelayedFilter::new(held, settings.horizon)? })
+        let state = LocalizerState { ekf, stamp, twist: Twist2::ZERO, map: map.into() };
+        Ok(LandmarkLocalizer { filter: DelayedFilter::new(state, settings.horizon)? })
     }
 
     /// The velocity from `stamp` \[s\] on.
@@ -95,15 +95,15 @@ impl<F: NonlinearFilter<3>> LandmarkLocalizer<F> {
     /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite.
     pub fn estimate(&self, stamp: f64) -> Result<Gaussian<3>> {
         loc_core::error::finite("stamp [s]", stamp)?;
-        let mut held = self.filter.at(stamp).clone();
-        if stamp > held.stamp {
-            held.ekf.predict(held.twist, stamp - held.stamp)?;
+        let mut state = self.filter.at(stamp).clone();
+        if stamp > state.stamp {
+            state.ekf.predict(state.twist, stamp - state.stamp)?;
         }
-        Ok(*held.ekf.belief())
+        Ok(*state.ekf.belief())
     }
 }
 
-impl<F: NonlinearFilter<3>> Step for Held<F> {
+impl<F: NonlinearFilter<3>> Step for LocalizerState<F> {
     type Input = Input;
     type Report = Vec<Outcome>;
 
@@ -129,8 +129,6 @@ impl<F: NonlinearFilter<3>> Step for Held<F> {
         Ok(outcomes)
     }
 }
-
-// Landmark localization over a whole drive, smoothed.
 
 /// Landmark localization after the drive: the inputs of
 /// [`LandmarkLocalizer`](super::LandmarkLocalizer), in the order of their stamps, and marks at the
@@ -228,7 +226,7 @@ impl<F: NonlinearFilter<3>> LandmarkSmoother<F> {
         Ok(outcomes)
     }
 
-    /// Asks for the belief at a time \[s\].
+    /// Marks the belief at a time \[s\].
     ///
     /// # Errors
     /// [`Error::TooLate`] for a time before the last stamp.

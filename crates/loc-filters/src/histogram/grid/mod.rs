@@ -1,8 +1,8 @@
 //! Markov localization of a robot with a laser: a grid over (x, y, heading) (K1).
 //!
 //! The free part of a map is divided into squares and the full turn into sectors; each pair of them
-//! is a cell with a probability. A motion shifts each layer of one heading by the way that a robot
-//! with this heading has driven, and blurs it by what odometry may be off by. A scan multiplies
+//! is a cell with a probability. A motion shifts each layer of one heading by the displacement of a
+//! robot with this heading, and blurs it by the errors of the odometry. A scan multiplies
 //! each cell by how likely it is there: P(x | s) = alpha P(s | x) P(x) (Burgard, Fox, Hennig and
 //! Schmidt, "Estimating the absolute position of a mobile robot using position probability grids",
 //! 1996; Fox, Burgard and Thrun, "Markov localization for mobile robots in dynamic environments",
@@ -12,20 +12,21 @@
 //! the free map cells of the square and several headings of the sector, each a product of lookups
 //! in the [likelihood field](loc_maps::likelihood_field). Two things keep that cheap:
 //!
-//! - **Bounds.** For each cell it is first asked how likely the scan can be at best in any of its
-//!   poses, from maxima of the field that are computed once. Cells which even so have together no
-//!   more than the share `negligible` of the result are passed over. What the result is off by is
-//!   at most that, and [`GridReport::passed_over`] tells it.
+//! - **Bounds.** For each cell an upper bound of the likelihood of the scan in any of its poses is computed
+//!   first, from maxima of the field that are computed once. Cells which even so have together no
+//!   more than the share `negligible` of the result are passed over. The error of the result is
+//!   at most that; it is reported as [`GridReport::passed_over`].
 //! - **A fine grid** of 0.04 m and half a degree, which follows the most likely place (Burgard,
 //!   Derr, Fox and Cremers, "Integrating global position estimation and position tracking for
 //!   mobile robots: the dynamic Markov localization approach", 1998). Both grids share one
 //!   probability of 1: what is near the most likely place is kept in the fine grid, all else in the
 //!   coarse one.
 //!
-//! A robot that was carried off is found again because no place is ever ruled out: with each motion
-//! the share `kidnap_rate` is spread evenly over the map (K1). A scan that does not fit where the
-//! robot was, but fits elsewhere, moves the belief there at once. Where odometry has failed (slip,
-//! a push), the coarse grid catches the robot: a share of each motion is as uncertain as it is long.
+//! A kidnapped robot is relocalized because no place is ever ruled out: with each motion the share
+//! `kidnap_rate` is spread evenly over the map (K1). A scan that does not fit where the
+//! robot was, but fits elsewhere, moves the belief there in one update. Where odometry has failed (slip,
+//! a push), the coarse grid still covers the robot: a share of each motion has a standard deviation as large as
+//! its length.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -69,8 +70,6 @@ use space::PoseSpace;
 use stack::Sums;
 use window::Window;
 
-// A robot with a laser, followed on the grid.
-
 /// A robot followed by a histogram over all of its poses.
 #[derive(Debug, Clone)]
 pub struct GridLocalizer {
@@ -79,15 +78,15 @@ pub struct GridLocalizer {
     sensor: Sensor,
     belief: Belief,
     path: Option<DrivenPath>,
-    /// Whether a scan was taken in since the start.
-    has_seen: bool,
+    /// Whether a scan was used since the start.
+    has_scan: bool,
     /// The most likely place at the last update.
-    found: Found,
+    best: BestPose,
 }
 
 /// The most likely place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Found {
+struct BestPose {
     share: f64,
     gaussian: Gaussian<3>,
 }
@@ -110,7 +109,7 @@ pub struct GridReport {
     pub log_evidence: f64,
     /// How many cells of the grid over the map were rated.
     pub rated: usize,
-    /// The most that all the others can have of the belief.
+    /// Upper bound of the probability of all other cells together.
     pub passed_over: f64,
 }
 
@@ -127,10 +126,10 @@ impl GridLocalizer {
         let sensor = Sensor::new(map, &space, &settings)?;
         let belief = Belief::anywhere(&space);
         let gaussian = Gaussian { mean: Vector3::zeros(), covariance: Matrix3::identity() };
-        let found = Found { share: 0.0, gaussian };
+        let best = BestPose { share: 0.0, gaussian };
         let mut localizer =
-            GridLocalizer { settings, space, sensor, belief, path: None, has_seen: false, found };
-        localizer.look();
+            GridLocalizer { settings, space, sensor, belief, path: None, has_scan: false, best };
+        localizer.update_best();
         Ok(localizer)
     }
 
@@ -150,20 +149,20 @@ impl GridLocalizer {
         Ok(())
     }
 
-    /// Nobody knows where the robot is.
+    /// Starts anew with a uniform belief: the robot may be anywhere.
     pub fn start_anywhere(&mut self) {
         self.belief.forget();
         self.restart();
     }
 
     fn restart(&mut self) {
-        self.look();
-        self.has_seen = false;
+        self.update_best();
+        self.has_scan = false;
         self.path = self.path.map(|path| DrivenPath::starting_at(path.end()));
     }
 
-    /// Notes where the odometry is, between two scans: the noise of a way depends on how long it
-    /// was, which its ends alone do not tell.
+    /// Adds a pose of the odometry between two scans: the noise of a motion depends on the length of its
+    /// path, which its ends alone do not determine.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for a pose that is not finite, which is not noted.
@@ -175,8 +174,8 @@ impl GridLocalizer {
         Ok(())
     }
 
-    /// Takes in the odometry's pose and what the laser, which sits at `mounting` on the robot
-    /// (`base_from_laser`), measured there. The first scan after a start counts in any case, later
+    /// Updates with the pose of the odometry and the scan of a laser at `mounting` on the robot
+    /// (`base_from_laser`), taken there. The first scan after a start counts in any case, later
     /// ones when the robot has moved enough.
     ///
     /// # Errors
@@ -193,7 +192,7 @@ impl GridLocalizer {
         self.odometry(odometry)?;
         let Some(path) = self.path else { return Ok(GridUpdate::StoodStill) };
         let step = path.step();
-        if self.has_seen
+        if self.has_scan
             && f64::hypot(step.x, step.y) < self.settings.update_distance
             && step.theta.abs() < self.settings.update_turn
         {
@@ -202,7 +201,7 @@ impl GridLocalizer {
         let GridLocalizer { settings, space, sensor, belief, .. } = self;
         belief.predict(&path, space, settings)?;
         self.path = Some(DrivenPath::starting_at(path.end()));
-        self.has_seen = true;
+        self.has_scan = true;
         let mut update = GridUpdate::Blind;
         if let Some(scan) = Scan::new(scan, mounting, &sensor.field, space, settings) {
             let correction = belief.correct(&scan, sensor, space, settings.negligible);
@@ -213,36 +212,36 @@ impl GridLocalizer {
                 passed_over: correction.passed_over,
             });
         }
-        self.look();
+        self.update_best();
         Ok(update)
     }
 
     /// Finds the most likely place: that of the fine grid, where there is one.
-    fn look(&mut self) {
+    fn update_best(&mut self) {
         let Belief { window, stack, anywhere, .. } = &self.belief;
         let in_window = window.as_ref().and_then(Window::gaussian);
         let peak = Peak::of(stack, &self.space, &self.settings.fine);
-        self.found = match (in_window, peak) {
-            (Some(gaussian), _) => Found { share: self.belief.in_window(), gaussian },
+        self.best = match (in_window, peak) {
+            (Some(gaussian), _) => BestPose { share: self.belief.in_window(), gaussian },
             (None, Some(Peak { share, gaussian, .. })) if share > *anywhere => {
-                Found { share, gaussian }
+                BestPose { share, gaussian }
             }
-            _ => Found { share: 0.0, gaussian: self.mean() },
+            _ => BestPose { share: 0.0, gaussian: self.mean() },
         };
     }
 
     /// Mean and covariance over (x, y, theta) \[m, m, rad\] of the most likely place, now: of the
-    /// fine grid, where there is one, else of the surroundings of the most likely cell, carried along
-    /// by the way since the last update. Of a robot that may be anywhere, those of the whole belief.
+    /// fine grid, where there is one, else of the surroundings of the most likely cell, moved by the
+    /// odometry since the last update. Of a robot that may be anywhere, those of the whole belief.
     pub fn estimate(&self) -> Gaussian<3> {
-        let Found { gaussian, .. } = self.found;
+        let BestPose { gaussian, .. } = self.best;
         self.path.map_or(gaussian, |path| self.settings.motion.belief_after(&path, &gaussian))
     }
 
     /// The probability of the place that [`estimate`](GridLocalizer::estimate) describes; 0 for a
     /// robot that may be anywhere.
     pub fn certainty(&self) -> f64 {
-        self.found.share
+        self.best.share
     }
 
     /// The probability of a robot that may be anywhere, evenly: what all cells have that are not
@@ -251,17 +250,17 @@ impl GridLocalizer {
         self.belief.anywhere
     }
 
-    /// Up to `most` likely places, the likeliest first: each with its probability and its mean and
+    /// Up to `max_count` likely poses, the likeliest first: each with its probability and its mean and
     /// covariance over (x, y, theta) \[m, m, rad\].
-    pub fn hypotheses(&self, most: usize) -> Vec<(f64, Gaussian<3>)> {
+    pub fn hypotheses(&self, max_count: usize) -> Vec<(f64, Gaussian<3>)> {
         let Belief { stack, window, .. } = &self.belief;
-        let peaks = Peak::several(stack, &self.space, &self.settings.fine, most);
+        let peaks = Peak::several(stack, &self.space, &self.settings.fine, max_count);
         let coarse = peaks.into_iter().map(|peak| (peak.share, peak.gaussian));
         let fine = window.as_ref().and_then(Window::gaussian);
         let fine = fine.map(|gaussian| (self.belief.in_window(), gaussian));
         let mut all: Vec<(f64, Gaussian<3>)> = fine.into_iter().chain(coarse).collect();
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
-        all.truncate(most);
+        all.truncate(max_count);
         all
     }
 
@@ -287,7 +286,7 @@ impl GridLocalizer {
         coarse().chain(fine()).for_each(|(pose, p)| sums.add(pose, p));
         everywhere().for_each(|(place, p)| sums.add_any_heading(place, p));
         // The belief adds up to 1, so there is something.
-        let Some(mut spread) = sums.spread() else { return self.found.gaussian };
+        let Some(mut spread) = sums.spread() else { return self.best.gaussian };
         coarse().chain(fine()).for_each(|(pose, p)| spread.add(pose, p));
         everywhere().for_each(|(place, p)| spread.add_any_heading(place, p));
         spread.gaussian(space.squares().resolution(), space.heading_step())
@@ -317,5 +316,3 @@ impl GridLocalizer {
         sums
     }
 }
-
-// What can be read from the belief.

@@ -395,12 +395,7 @@ impl EkfSlam {
 
     /// Linearises the observation of a landmark, with the residual of a range and a bearing. Of the two,
     /// one that is not measured may be any number.
-    fn prediction(
-        &self,
-        landmark: usize,
-        range: f64,
-        bearing: f64,
-    ) -> PredictedObservation {
+    fn prediction(&self, landmark: usize, range: f64, bearing: f64) -> PredictedObservation {
         let seen = Vector2::new(range, bearing);
         let share = self.settings.common_share;
         let model = self.model(self.state.position(landmark));

@@ -103,11 +103,11 @@ pub struct SlamSettings {
     pub common_time: f64,
     /// The camera's pose on the robot, `base_from_camera`.
     pub mounting: Pose2,
-    /// Whether landmarks can be told apart by their numbers.
+    /// Whether the association of observations is known.
     pub identities: Identities,
     /// Share of right observations of a landmark that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
-    /// How landmarks without numbers are told apart.
+    /// The association of observations without known numbers.
     pub association: AssociationSettings,
     /// Where the models are linearised.
     pub jacobians: Jacobians,
@@ -238,7 +238,7 @@ impl SlamOutcome {
         }
     }
 
-    /// The normalised innovation squared, of an observation that was held against a landmark.
+    /// The normalised innovation squared, of an observation that was compared with a landmark.
     pub fn nis(&self) -> Option<f64> {
         match &self.verdict {
             SlamVerdict::RangeBearing(innovation) => Some(innovation.nis),
@@ -249,7 +249,7 @@ impl SlamOutcome {
         }
     }
 
-    /// How many numbers were held against a landmark: the mean of the NIS of a consistent filter.
+    /// Dimension of the measurement, which is the mean of the NIS of a consistent filter.
     pub fn degrees_of_freedom(&self) -> usize {
         match &self.verdict {
             SlamVerdict::RangeBearing(_) => 2,
