@@ -10,7 +10,7 @@ pub enum Error {
     /// A map is wrong.
     #[error(transparent)]
     Map(#[from] loc_maps::Error),
-    /// A map has no place for a robot.
+    /// A map has no free cell.
     #[error("map of {width} x {height} cells: expected at least one free cell, got none")]
     NoFreeSpace {
         /// Number of columns.
@@ -18,10 +18,10 @@ pub enum Error {
         /// Number of rows.
         height: usize,
     },
-    /// A robot is said to be where it cannot be.
+    /// A start without a free place within reach.
     #[error("{what}: expected a free place within reach, got none")]
     NoRoom {
-        /// What was said.
+        /// The start.
         what: &'static str,
     },
     /// A measurement holds NaN or infinity.
@@ -50,7 +50,7 @@ pub enum Error {
         /// What came instead.
         found: String,
     },
-    /// Newton's method does not come to rest.
+    /// Newton's method does not converge.
     #[error(
         "Newton's method from {start}: expected circles that cross, and a start beside the \
              line through their centres, got no root"
@@ -59,8 +59,8 @@ pub enum Error {
         /// Where it started \[m\].
         start: String,
     },
-    /// Rounding, or numbers beyond all reason, have made a covariance negative. The filter must be
-    /// started anew.
+    /// A covariance is no longer positive, by rounding or by extreme numbers. The filter must be
+    /// restarted.
     #[error("{what}: lost its positivity at step {step}, got {found}")]
     LostPositivity {
         /// The part of the covariance.
@@ -70,7 +70,7 @@ pub enum Error {
         /// Its elements.
         found: String,
     },
-    /// A part of the map is to stand for all of it in a filter that turns the whole map.
+    /// Submaps were requested together with invariant Jacobians, whose corrections turn the whole map.
     #[error(
         "SLAM on submaps: expected the jacobians `current` or `first`, got `invariant`, by which \
          a correction of the heading turns the whole map"
@@ -90,7 +90,7 @@ pub enum Error {
         stamp: f64,
         /// Time of the newest input \[s\].
         newest: f64,
-        /// How far back the filter remembers \[s\].
+        /// The horizon \[s\].
         horizon: f64,
     },
 }

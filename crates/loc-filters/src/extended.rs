@@ -1,7 +1,7 @@
-//! The extended Kalman filter (H1): the Kalman filter of systems that are not linear.
+//! The extended Kalman filter (H1): the Kalman filter of nonlinear systems.
 //!
-//! A user brings two models: how the state moves and what a sensor sees of it, each with its
-//! derivative. The filter linearises them where it believes to be.
+//! A user provides two models with their derivatives: how the state moves, and what a sensor measures of
+//! it. The filter linearises them at its estimate.
 //!
 //! ```
 //! use loc_core::Gaussian;
@@ -93,7 +93,7 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
         self
     }
 
-    /// What the filter believes now.
+    /// The current belief.
     pub fn belief(&self) -> &Gaussian<N> {
         &self.belief
     }
@@ -109,11 +109,11 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
     /// [`crate::Error::NotFinite`] where the model leads to NaN or infinity; the belief is kept.
     pub fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
         let linear = motion.linearize(&self.belief.mean);
-        self.follow(&linear)
+        self.predict_linearized(&linear)
     }
 
     /// Prediction by a motion that is linearised already.
-    pub(crate) fn follow(&mut self, motion: &LinearizedMotion<N>) -> Result<()> {
+    pub(crate) fn predict_linearized(&mut self, motion: &LinearizedMotion<N>) -> Result<()> {
         finite("predicted state", &motion.state)?;
         let (jacobian, noise) = (&motion.jacobian, &motion.noise);
         self.belief.mean = motion.state;
@@ -122,7 +122,7 @@ impl<const N: usize> ExtendedKalmanFilter<N> {
         Ok(())
     }
 
-    /// Correction with a measurement `z`, unless the gate turns it away.
+    /// Correction with a measurement `z`, unless the gate rejects it.
     ///
     /// # Errors
     /// [`crate::Error::NotFinite`] for the measurement, and [`loc_core::Error::NotACovariance`]

@@ -1,9 +1,8 @@
-//! What a measurement told a filter: the innovation, and whether it was believed.
+//! The innovation of a measurement, and the gate that accepts or rejects it.
 //!
-//! The innovation is the difference between a measurement and what the filter expected. Held
-//! against its own covariance it says whether the measurement fits: its normalised square, the
-//! NIS, is chi-square distributed when the filter's idea of the world is right. A [`Gate`] turns
-//! measurements away that fit too badly to be true.
+//! The innovation is the difference between a measurement and what the filter expected. Its
+//! normalised square, the NIS, says whether the measurement fits: it is chi-square distributed for a
+//! consistent filter. A [`Gate`] rejects measurements whose NIS is too large.
 //!
 //! ```
 //! use loc_filters::Gate;
@@ -16,7 +15,7 @@ use crate::{Error, Result};
 use loc_core::stats::chi_square_quantile;
 use nalgebra::{SMatrix, SVector};
 
-/// Residual of one measurement, with all that decided on it.
+/// Residual of one measurement, with the numbers that the gate has tested.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Innovation<const M: usize> {
     /// Measurement minus expectation, angles wrapped; also known as the prefit residual.
@@ -29,14 +28,14 @@ pub struct Innovation<const M: usize> {
     pub whitened: SVector<f64, M>,
     /// Normalised innovation squared, `residual^T S^-1 residual`.
     pub nis: f64,
-    /// The NIS up to which the measurement was to be accepted.
+    /// The threshold of the gate: the largest NIS that is accepted.
     pub threshold: f64,
     /// Whether it was accepted; a rejected one has left the filter as it was.
     pub accepted: bool,
 }
 
 impl<const M: usize> Innovation<M> {
-    /// Holds a residual against its covariance; also returns the Cholesky factor of the latter.
+    /// Tests a residual against its covariance; also returns the Cholesky factor of the latter.
     #[inline(always)]
     pub(crate) fn new(
         residual: SVector<f64, M>,

@@ -1,4 +1,4 @@
-//! What the filters of systems that are not linear have in common: the extended Kalman filter, the
+//! The common interface of nonlinear filters: the extended Kalman filter, the
 //! unscented one, and either of them [recorded](crate::smoother::Recorded) for smoothing.
 //!
 //! A localizer that is written for any [`NonlinearFilter`] runs on all of them.
@@ -25,11 +25,11 @@ use crate::{Gate, Innovation, Result};
 use loc_core::Gaussian;
 use nalgebra::SVector;
 
-/// A filter of systems that are not linear, on the models of [`extended`](crate::extended).
+/// A nonlinear filter on the models of [`extended`](crate::extended).
 pub trait NonlinearFilter<const N: usize>: Recordable<N> + Clone + std::fmt::Debug {
     /// Whether it sees how a model bends within its belief; else a model that bends strongly has to
     /// say so itself.
-    const BENDS: bool;
+    const SECOND_ORDER: bool;
     /// A filter that starts from a belief whose states `angles` are angles.
     ///
     /// # Errors
@@ -42,12 +42,12 @@ pub trait NonlinearFilter<const N: usize>: Recordable<N> + Clone + std::fmt::Deb
     fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
         self.predict_linked(motion).map(|_| ())
     }
-    /// Prediction that tells how the states before and after hang together.
+    /// Prediction that also returns how the states before and after are related.
     ///
     /// # Errors
     /// Those of the filter; the belief is kept.
     fn predict_linked(&mut self, motion: &impl MotionModel<N>) -> Result<Link<N>>;
-    /// Correction with a measurement `z`, unless the gate turns it away.
+    /// Correction with a measurement `z`, unless the gate rejects it.
     ///
     /// # Errors
     /// Those of the filter; the belief is kept.
@@ -57,7 +57,7 @@ pub trait NonlinearFilter<const N: usize>: Recordable<N> + Clone + std::fmt::Deb
         z: &SVector<f64, M>,
         gate: &Gate,
     ) -> Result<Innovation<M>>;
-    /// Asks for the belief of this moment, of a filter that is recorded; others have no use for it.
+    /// Marks the belief of this moment, of a filter that is recorded; other filters ignore it.
     fn mark(&mut self) {}
 }
 
@@ -75,7 +75,7 @@ macro_rules! nonlinear_filter {
         }
 
         impl<const N: usize> NonlinearFilter<N> for $filter<N> {
-            const BENDS: bool = $bends;
+            const SECOND_ORDER: bool = $bends;
 
             fn start(belief: Gaussian<N>, angles: &'static [usize]) -> Result<Self> {
                 Ok($filter::new(belief)?.with_angles(angles))
@@ -103,10 +103,10 @@ macro_rules! nonlinear_filter {
 
 nonlinear_filter!(ExtendedKalmanFilter, bends: false, |self, motion| {
     let linear = motion.linearize(&self.belief().mean);
-    self.follow(&linear)?;
+    self.predict_linearized(&linear)?;
     Ok(Link::Tangent { jacobian: linear.jacobian, noise: linear.noise })
 });
 
 nonlinear_filter!(UnscentedKalmanFilter, bends: true, |self, motion| {
-    Ok(self.follow(motion)?.link())
+    Ok(self.predict_points(motion)?.link())
 });

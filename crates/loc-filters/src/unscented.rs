@@ -50,14 +50,14 @@ pub struct UnscentedKalmanFilter<const N: usize> {
 }
 
 /// What a prediction did with the sigma points.
-pub(crate) struct Followed<const N: usize> {
+pub(crate) struct SigmaPrediction<const N: usize> {
     off: Points<SVector<f64, N>, N>,
     root: SMatrix<f64, N, N>,
     noise: SMatrix<f64, N, N>,
 }
 
-impl<const N: usize> Followed<N> {
-    /// How the states before and after hang together.
+impl<const N: usize> SigmaPrediction<N> {
+    /// How the states before and after are related, for the smoother.
     pub(crate) fn link(&self) -> Link<N> {
         let (slopes, bend) = self.off.slopes_and_bend();
         Link::Points { root: self.root, slopes, noise: self.noise + bend }
@@ -83,7 +83,7 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
         self
     }
 
-    /// What the filter believes now.
+    /// The current belief.
     pub fn belief(&self) -> &Gaussian<N> {
         &self.belief
     }
@@ -100,12 +100,15 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
     /// [`Error::NotFinite`] where the model leads to NaN or infinity, [`Error::LostPositivity`]
     /// where the covariance is none any more; the belief is kept.
     pub fn predict(&mut self, motion: &impl MotionModel<N>) -> Result<()> {
-        self.follow(motion).map(|_| ())
+        self.predict_points(motion).map(|_| ())
     }
 
     /// Prediction; the answer are the moved points, about their mean, the root of the covariance that
     /// they stood along, and the noise of the motion.
-    pub(crate) fn follow(&mut self, motion: &impl MotionModel<N>) -> Result<Followed<N>> {
+    pub(crate) fn predict_points(
+        &mut self,
+        motion: &impl MotionModel<N>,
+    ) -> Result<SigmaPrediction<N>> {
         let (points, root) = self.points()?;
         let moved = points.map(|state| motion.predict(state));
         moved.iter().try_for_each(|state| finite("predicted state", state))?;
@@ -119,10 +122,10 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
         }
         self.belief = Gaussian { mean: self.wrapped(mean), covariance };
         self.steps += 1;
-        Ok(Followed { off, root, noise })
+        Ok(SigmaPrediction { off, root, noise })
     }
 
-    /// Correction with a measurement `z`, unless the gate turns it away.
+    /// Correction with a measurement `z`, unless the gate rejects it.
     ///
     /// With the square root L of the covariance and the sigma points' measurements, the state in
     /// units of L is measured through a matrix G^T, and what the points deviate from a line is
@@ -175,8 +178,6 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
         wrapped(state, self.angles)
     }
 }
-
-// The sigma points and what can be learnt from them.
 
 /// Something at each of the 2 N + 1 sigma points: in the middle, and on both sides along each
 /// column of the covariance's root.

@@ -106,5 +106,3 @@ impl Candidates {
         partners
     }
 }
-
-// The best pair first, then the best of what is left.

@@ -39,7 +39,7 @@ pub(super) fn search<const M: usize, P: Pairing<M>>(
             .for_each(|observation| search.best.partners[observation - first] = None);
         if lead > 0.0 {
             let evidence = Evidence { pairing, lead };
-            evidence.drop_unsure(first, &mut search.best.partners);
+            evidence.drop_uncertain(first, &mut search.best.partners);
         }
         partners.extend(search.best.partners);
     }
@@ -208,8 +208,6 @@ impl<'a, const M: usize, P: Pairing<M>> Search<'a, M, P> {
     }
 }
 
-// The gate of several pairs together.
-
 /// Chi-square thresholds by the number of numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::association) struct JointGate {
@@ -217,7 +215,7 @@ pub(in crate::association) struct JointGate {
 }
 
 impl JointGate {
-    /// Measurements of one pair have at most so many numbers; larger ones are not gated.
+    /// Maximum dimension of the measurement of one pair; larger ones are not gated.
     const LARGEST: usize = 3;
 
     pub(in crate::association) fn new(probability: f64) -> Result<Self> {
@@ -234,8 +232,6 @@ impl JointGate {
         self.thresholds.get(dof.wrapping_sub(1)).copied().unwrap_or(f64::INFINITY)
     }
 }
-
-// The innovation of several pairs together, factorised as it grows.
 
 /// Residuals of some pairs, whitened by the Cholesky factor of their joint covariance.
 #[derive(Debug, Clone, Default)]
@@ -326,8 +322,6 @@ impl<const M: usize> JointInnovation<M> {
     }
 }
 
-// Whether pairs say more than chance.
-
 /// Holds "these observations are of these landmarks" against "they are of something else".
 ///
 /// Where the robot is uncertain by metres, some landmark fits whatever is seen, and that it fits
@@ -341,7 +335,7 @@ pub(in crate::association) struct Evidence<'a, P> {
 
 impl<P> Evidence<'_, P> {
     /// Leaves out partners that are not much likelier than chance, of observations from `first` on.
-    pub(in crate::association) fn drop_unsure<const M: usize>(
+    pub(in crate::association) fn drop_uncertain<const M: usize>(
         &self,
         first: usize,
         partners: &mut [Option<usize>],
@@ -353,15 +347,18 @@ impl<P> Evidence<'_, P> {
         if pairs.iter().all(|pair| self.pairing.elsewhere(pair.0) <= 0.0) {
             return;
         }
-        let sure = self.sure_ones(&mut pairs);
+        let supported = self.supported_pairs(&mut pairs);
         for (observation, partner) in (first..).zip(partners) {
-            *partner = partner.filter(|landmark| sure.contains(&(observation, *landmark)));
+            *partner = partner.filter(|landmark| supported.contains(&(observation, *landmark)));
         }
     }
 
-    /// Takes away the pair that the others support least, until all are supported; then those that
+    /// Removes the pair that has the least support of the others, until all are supported; then those that
     /// only support each other, unless they are likely together.
-    fn sure_ones<const M: usize>(&self, pairs: &mut Vec<(usize, usize)>) -> Vec<(usize, usize)>
+    fn supported_pairs<const M: usize>(
+        &self,
+        pairs: &mut Vec<(usize, usize)>,
+    ) -> Vec<(usize, usize)>
     where
         P: Pairing<M>,
     {
@@ -377,12 +374,12 @@ impl<P> Evidence<'_, P> {
                 _ => break,
             };
         }
-        let strong = self.strong_ones(pairs);
+        let strong = self.independent_pairs(pairs);
         if self.of(pairs) - self.of(&strong) < self.lead { strong } else { pairs.clone() }
     }
 
     /// Pairs that are likely on their own, and those that these make likely.
-    fn strong_ones<const M: usize>(&self, pairs: &[(usize, usize)]) -> Vec<(usize, usize)>
+    fn independent_pairs<const M: usize>(&self, pairs: &[(usize, usize)]) -> Vec<(usize, usize)>
     where
         P: Pairing<M>,
     {

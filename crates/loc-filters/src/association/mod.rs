@@ -1,7 +1,7 @@
-//! Which landmark was it? Data association: matching what was seen with what is known (H3, I4).
+//! Data association: matching observations with known landmarks (H3, I4).
 //!
-//! A camera that reads numbers off its landmarks is a luxury. Trees, table legs and walls look
-//! alike, and a filter has to decide itself which of those it knows was seen. Each pair of a
+//! Few landmarks carry a number that a sensor can read. Trees, table legs and walls look alike, and the
+//! filter has to decide which of the known ones was observed. Each pair of a
 //! observation and a landmark has an innovation: how far the two are apart, and how far they may be.
 //! A [`Pairing`] computes it; the rules here only compare:
 //!
@@ -9,8 +9,8 @@
 //!   each landmark once;
 //! * [`Rule::MaximumLikelihood`] takes them in order of their likelihood, so that of two landmarks
 //!   at the same distance the one that is known better wins;
-//! * [`Rule::JointCompatibility`] looks for the largest set of pairs that fit *together*. A robot
-//!   that is off by half a metre sees all landmarks displaced alike, and only this rule knows.
+//! * [`Rule::JointCompatibility`] searches the largest set of pairs that fit *together*. An
+//!   error of the pose displaces all observations alike, and only this rule uses that.
 //!
 //! A wrong pair does more harm than a missing one. So all three leave an observation out where another
 //! landmark, or something that is not in the map, explains it about as well
@@ -97,9 +97,9 @@ pub struct Association {
     /// For each observation its landmark, or `None` for one that fits none, or two about equally well.
     /// No landmark occurs twice.
     pub partners: Vec<Option<usize>>,
-    /// For each observation the NIS with the landmark that fits it best on its own, whoever got that
-    /// landmark; infinite where the pairing rules all of them out. It tells an observation of
-    /// something new from one that came off second best.
+    /// For each observation the NIS with the landmark that fits it best on its own, whichever observation got that
+    /// landmark; infinite where the pairing rules all of them out. It distinguishes an
+    /// observation of a new landmark from one whose landmark went to another observation.
     pub nearest: Vec<f64>,
     /// Whether the search was finished. One that ran into its limit returns the best set it has
     /// seen, which is never worse than taking the observations in turn, each with its nearest
@@ -174,8 +174,6 @@ impl Associator {
     }
 }
 
-// The settings of data association.
-
 /// How observations are matched with landmarks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -185,12 +183,12 @@ pub enum Rule {
     NearestNeighbor,
     /// Pairs in order of their likelihood.
     MaximumLikelihood,
-    /// The most pairs that fit together, found by branch and bound: JCBB (Neira and Tardos 2001).
+    /// The largest set of pairs that fit together, found by branch and bound: JCBB (Neira and Tardos 2001).
     #[default]
     JointCompatibility,
 }
 
-/// What an associator can be told.
+/// Settings of an [`Associator`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -203,12 +201,12 @@ pub struct AssociationSettings {
     /// 1 to believe the likelier one, however little. An observation that two landmarks explain about
     /// equally well is better left out than given to the wrong one.
     pub min_ratio: f64,
-    /// The most hypotheses that the joint search looks at for the observations of one moment.
+    /// Maximum number of hypotheses of the joint search for the observations of one moment.
     pub search_limit: usize,
 }
 
 impl AssociationSettings {
-    /// The joint search takes so many observations together; more are taken in groups of this size,
+    /// Number of observations that the joint search takes together; more are taken in groups of this size,
     /// in the order in which they came, each group choosing from the landmarks that are left.
     pub const GROUP: usize = 32;
 }

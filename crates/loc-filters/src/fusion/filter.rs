@@ -3,7 +3,7 @@
 use super::FusionSettings;
 use super::models::{
     CompassModel, DirectionModel, DistanceModel, FusedMotion, InertialModel, ObservationModel,
-    PositionModel, Walked, WheelModel,
+    PositionModel, RandomWalk, WheelModel,
 };
 use super::state::{
     DRIFT_X, DRIFT_Y, FORWARD_BIAS, FusedBelief, GYRO_BIAS, LEFT_BIAS, RANGE_OFFSET, RANGE_SCALE,
@@ -62,8 +62,8 @@ pub struct FusedLocalizer<F: NonlinearFilter<STATES> = ExtendedKalmanFilter<STAT
     inertial: Pulse,
     acceleration: f64,
     sideways: f64,
-    /// What the velocity has walked since it was measured last.
-    walked: Walked,
+    /// What the velocity has pending_walk since it was measured last.
+    pending_walk: RandomWalk,
     steps: u64,
     sensors: Sensors,
 }
@@ -112,11 +112,11 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
             gate,
             map: map.into(),
             stamp,
-            wheels: Pulse::SILENT,
-            inertial: Pulse::SILENT,
+            wheels: SensorTiming::SILENT,
+            inertial: SensorTiming::SILENT,
             acceleration: 0.0,
             sideways: 0.0,
-            walked: Walked { speed: 0.0, turn: 0.0 },
+            pending_walk: RandomWalk { speed: 0.0, turn: 0.0 },
             steps: 0,
             sensors: Sensors::default(),
         })
@@ -157,30 +157,30 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
             let known = self.wheels.holds(self.stamp);
             let turn_known = known || self.inertial.holds(self.stamp);
             let mut end = stamp;
-            for pulse in [&self.wheels, &self.inertial] {
-                if pulse.holds(self.stamp) {
-                    end = end.min(pulse.until);
+            for timing in [&self.wheels, &self.inertial] {
+                if timing.holds(self.stamp) {
+                    end = end.min(timing.until);
                 }
             }
             if !(known && turn_known) {
                 end = end.min(self.stamp + longest);
                 self.walk(!known, !turn_known)?;
             }
-            self.piece(end)?;
+            self.predict_step(end)?;
         }
         Ok(())
     }
     // ANCHOR_END: predict-to
 
-    fn piece(&mut self, end: f64) -> Result<()> {
+    fn predict_step(&mut self, end: f64) -> Result<()> {
         let dt = end - self.stamp;
         let acceleration = self.inertial.holds(self.stamp).then_some(self.acceleration);
         let sideways = if self.wheels.holds(self.stamp) { self.sideways } else { 0.0 };
         let motion = FusedMotion::new(&self.settings, dt, sideways, acceleration);
         self.filter.predict(&motion)?;
         let FusionSettings { speed_walk, slope_walk, turn_walk, imu, .. } = &self.settings;
-        self.walked.turn += turn_walk * turn_walk * dt;
-        self.walked.speed += dt
+        self.pending_walk.turn += turn_walk * turn_walk * dt;
+        self.pending_walk.speed += dt
             * match acceleration {
                 Some(_) => slope_walk * slope_walk + imu.accelerometer.density.powi(2),
                 None => speed_walk * speed_walk,
@@ -193,14 +193,18 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
     /// again and again, it does so only then: what was measured holds in between, with the
     /// sensor's own noise.
     fn walk(&mut self, speed: bool, turn: bool) -> Result<()> {
-        let take = |wanted: bool, walked: &mut f64| {
-            if wanted { std::mem::take(walked) } else { 0.0 }
+        let take = |wanted: bool, pending_walk: &mut f64| {
+            if wanted { std::mem::take(pending_walk) } else { 0.0 }
         };
-        let walked = Walked {
-            speed: take(speed, &mut self.walked.speed),
-            turn: take(turn, &mut self.walked.turn),
+        let pending_walk = RandomWalk {
+            speed: take(speed, &mut self.pending_walk.speed),
+            turn: take(turn, &mut self.pending_walk.turn),
         };
-        if walked.speed > 0.0 || walked.turn > 0.0 { self.filter.predict(&walked) } else { Ok(()) }
+        if pending_walk.speed > 0.0 || pending_walk.turn > 0.0 {
+            self.filter.predict(&pending_walk)
+        } else {
+            Ok(())
+        }
     }
 
     fn odometry(&mut self, stamp: f64, twist: &Twist2) -> Result<Outcome> {
@@ -270,7 +274,7 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         let FusionSettings { mounting, observation_noise: noise, .. } = self.settings;
         let landmark = landmark.position.xy();
         let sight = RangeBearingModel { landmark, mounting, noise };
-        let model = if F::BENDS {
+        let model = if F::SECOND_ORDER {
             ObservationModel::straight(sight)
         } else {
             ObservationModel::new(sight, self.filter.belief())
@@ -451,7 +455,7 @@ impl Pulse {
     fn beat(&mut self, stamp: f64) -> f64 {
         let since = self.last.map(|last| stamp - last).filter(|since| *since > 0.0);
         let period = since.unwrap_or(FIRST_PERIOD).min(LONGEST_PERIOD);
-        *self = Pulse { last: Some(stamp), until: stamp + HOLDS * period };
+        *self = SensorTiming { last: Some(stamp), until: stamp + HOLDS * period };
         period
     }
 

@@ -1,12 +1,11 @@
 //! Sensor fusion: wheels, gyroscope, accelerometers, compass, satellites and landmarks in one
 //! extended Kalman filter (H1).
 //!
-//! Each sensor knows something, none of them knows it all, and each may fall silent. The filter
-//! believes twelve numbers: the pose, the speed and the turn rate, and how wrong the sensors are
-//! that are wrong for longer: the biases of gyroscope and accelerometers, scale and offset of
+//! Each sensor measures a part of the motion, and each may stop sending. The filter has twelve states:
+//! the pose, the speed and the turn rate, and the slowly varying errors of the sensors: the biases of gyroscope and accelerometers, scale and offset of
 //! ranges, the drift of the satellite receiver. Between measurements it predicts to the stamp of
-//! the next one, whichever sensor it comes from; a measurement that fits too badly is turned away
-//! by its gate. What no sensor tells becomes uncertain, at its own rate.
+//! the next one, whichever sensor it comes from; a measurement with too large an innovation is
+//! rejected by its gate. The variance of a state that no sensor measures grows, at its own rate.
 //!
 //! [`Delayed`](crate::delayed::Delayed) around it takes late measurements. Of one stamp, the kinds have
 //! an order of their own, so that the result does not depend on which came first.

@@ -254,12 +254,10 @@ impl MeasurementModel<STATES, 1> for DirectionModel {
     }
 }
 
-// How the states move between two measurements.
-
 /// A drive of some time on an arc (E2), at the speed that accelerometer and state give.
 ///
 /// `v' = v + (a - b_a) T`, the pose moves at the mean of v and v', biases stay, the satellite
-/// receiver's drift forgets itself. What the speed and the turn rate do beside, `Walked` adds.
+/// receiver's drift forgets itself. What the speed and the turn rate do beside, `RandomWalk` adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FusedMotion {
     /// How long it lasts \[s\].
@@ -356,12 +354,12 @@ impl MotionModel<STATES> for FusedMotion {
 /// What speed and turn rate have done on their own since they were measured last: variances
 /// \[m^2/s^2, rad^2/s^2\].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Walked {
+pub(super) struct RandomWalk {
     pub(super) speed: f64,
     pub(super) turn: f64,
 }
 
-impl MotionModel<STATES> for Walked {
+impl MotionModel<STATES> for RandomWalk {
     fn predict(&self, state: &State) -> State {
         *state
     }

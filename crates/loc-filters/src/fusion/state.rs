@@ -63,8 +63,6 @@ impl FusedBelief {
     }
 }
 
-// What is known before the first measurement.
-
 /// The belief about all states, from that about (x, y, theta).
 pub(super) fn belief(settings: &FusionSettings, pose: &Gaussian<3>) -> Result<Gaussian<STATES>> {
     let pose = Gaussian::new(pose.mean, pose.covariance)?;

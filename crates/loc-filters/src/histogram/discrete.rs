@@ -41,7 +41,7 @@ impl<T: Clone> DiscreteFilter<T> {
         DiscreteFilter { belief: start }
     }
 
-    /// What the filter believes now.
+    /// The current belief.
     pub fn belief(&self) -> &Discrete<T> {
         &self.belief
     }

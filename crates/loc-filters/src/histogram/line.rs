@@ -15,7 +15,7 @@ use super::Kernel;
 use crate::{Error, Result};
 use loc_core::error::{in_range, non_negative, positive};
 
-/// The most cells of a line.
+/// Maximum number of cells of a line.
 const MAX_CELLS: f64 = 1e7;
 
 /// Nodes and weights of the Gauss-Legendre rule with three points on \[-1/2, 1/2\].
@@ -80,7 +80,7 @@ impl LineGrid {
         Ok((1.0 - stayed).max(0.0))
     }
 
-    /// Takes in a measurement, where `likelihood` says how likely it is at a place \[m\], up to a
+    /// Correction with a measurement, where `likelihood` says how likely it is at a place \[m\], up to a
     /// common factor. A cell has the mean likelihood of its extent, by the three-point
     /// Gauss-Legendre rule. Returns the logarithm of the mean likelihood over the belief.
     ///

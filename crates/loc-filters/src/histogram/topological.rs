@@ -2,7 +2,7 @@
 //!
 //! "In which room am I?" needs no coordinates. The states are the places of the map: rooms,
 //! corridors and doors. A drive lets probability flow along the edges, the further the more; a scan
-//! multiplies each place by how much it looks like the scans that were taken there
+//! multiplies each place by how similar it is to the scans that were taken there
 //! ([`PlaceViews`]), whatever the robot's heading.
 //!
 //! On the way the place is a Markov chain in continuous way: from a place i the robot goes on to a
@@ -41,7 +41,7 @@ use loc_maps::TopologicalMap;
 use loc_sensors::laser::LaserScan;
 use std::f64::consts::PI;
 
-/// Neighbours are at least so far apart \[m\]: nobody goes from one to the other more often.
+/// Lower bound of the distance between neighbours \[m\], which bounds the rate of transitions.
 const NEAREST: f64 = 0.2;
 
 /// What is left of the Poisson distribution when the sum ends.
@@ -180,17 +180,10 @@ impl TopologicalFilter {
     }
 }
 
-// What places look like to a laser.
-//
-// From a scan six numbers are taken that do not depend on the heading: below which ranges a tenth,
-// three, five, seven and nine tenths of the beams are, and how narrow the passage is in which the
-// robot stands (the least distance between two opposite walls: in a door its width). What a place
-// looks like is known from scans that were taken all over it, simulated in a map or recorded.
-
 /// How many numbers are taken from a scan.
 const COUNT: usize = 6;
 
-type Look = [f64; COUNT];
+type ScanFeatures = [f64; COUNT];
 
 /// Shares of the beams that are shorter than the ranges that are looked at.
 const SHARES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
@@ -202,20 +195,25 @@ const NARROWER: f64 = 0.5;
 /// Bandwidths are at least this, in the logarithm of a length.
 const FINEST: f64 = 0.02;
 
-/// The looks of all places, as samples whose density stands for P(s | place): a sum of normal
+/// The scan features of all places, as samples whose density stands for P(s | place): a sum of normal
 /// densities, one about each sample, half as wide as by the rule of Scott (1992).
+///
+/// A scan is described by six numbers that do not depend on the heading: the ranges below which one,
+/// three, five, seven and nine tenths of the beams are, and the width of the passage at the robot (the
+/// smallest distance between two opposite walls; in a door its width). The distribution of these
+/// numbers in a place is learned from scans that were taken all over it, simulated in a map or recorded.
 #[derive(Debug, Clone)]
 pub struct PlaceViews {
-    looks: Vec<Vec<Look>>,
-    bandwidths: Vec<Look>,
+    samples: Vec<Vec<ScanFeatures>>,
+    bandwidths: Vec<ScanFeatures>,
     independence: f64,
     surprise: f64,
 }
 
 impl PlaceViews {
     /// From scans that were taken at various spots and headings, a list for each place. Scans that
-    /// follow each other on a drive look alike: each counts as the share `independence` of an
-    /// independent one, above 0. With the probability `surprise` a scan looks like in none of the
+    /// follow each other in a recording are similar: each counts as the share `independence` of an
+    /// independent one, above 0. With the probability `surprise` a scan is similar to those of none of the
     /// places, or like in any of them.
     ///
     /// # Errors
@@ -224,22 +222,22 @@ impl PlaceViews {
     pub fn new(places: &[Vec<LaserScan>], independence: f64, surprise: f64) -> Result<Self> {
         positive("independence of scans", independence)?;
         probability("surprise of a scan", surprise)?;
-        let mut looks = Vec::with_capacity(places.len());
+        let mut samples = Vec::with_capacity(places.len());
         for scans in places {
             let mut of_place = Vec::with_capacity(scans.len());
             for scan in scans {
                 scan.check()?;
-                of_place.extend(look(scan));
+                of_place.extend(features(scan));
             }
             if of_place.is_empty() {
                 let expected = "at least one that sees anything, for each place";
                 let what = "scans of a place";
                 return Err(loc_core::Error::Length { what, expected, found: 0 }.into());
             }
-            looks.push(of_place);
+            samples.push(of_place);
         }
-        let bandwidths = looks.iter().map(|looks| bandwidth(looks)).collect();
-        Ok(PlaceViews { looks, bandwidths, independence, surprise })
+        let bandwidths = samples.iter().map(|samples| bandwidth(samples)).collect();
+        Ok(PlaceViews { samples, bandwidths, independence, surprise })
     }
 
     /// How likely a scan is in each place, up to a common factor; `None` for a scan in which
@@ -249,10 +247,10 @@ impl PlaceViews {
     /// A scan that cannot be one ([`LaserScan::check`]).
     pub fn likelihoods(&self, scan: &LaserScan) -> Result<Option<Vec<f64>>> {
         scan.check()?;
-        let Some(seen) = look(scan) else { return Ok(None) };
-        let places = self.looks.iter().zip(&self.bandwidths);
+        let Some(seen) = features(scan) else { return Ok(None) };
+        let places = self.samples.iter().zip(&self.bandwidths);
         let logs: Vec<f64> =
-            places.map(|(looks, width)| log_density(looks, width, &seen)).collect();
+            places.map(|(samples, width)| log_density(samples, width, &seen)).collect();
         let highest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let densities: Vec<f64> = logs.iter().map(|log| (log - highest).exp()).collect();
         let mean = densities.iter().sum::<f64>() / densities.len() as f64;
@@ -262,7 +260,7 @@ impl PlaceViews {
 }
 
 /// The numbers of a scan, as logarithms; beams without an echo count with the full range.
-fn look(scan: &LaserScan) -> Option<Look> {
+fn features(scan: &LaserScan) -> Option<ScanFeatures> {
     let reach = if scan.range_max.is_finite() { scan.range_max } else { 0.0 };
     let range = |&range: &f64| match range {
         range if scan.is_valid(range) => Some(range),
@@ -292,21 +290,23 @@ fn look(scan: &LaserScan) -> Option<Look> {
 }
 
 /// Widths of the normal densities about samples.
-fn bandwidth(looks: &[Look]) -> Look {
-    let count = looks.len() as f64;
+fn bandwidth(samples: &[ScanFeatures]) -> ScanFeatures {
+    let count = samples.len() as f64;
     let factor = NARROWER * count.powf(-1.0 / (COUNT as f64 + 4.0));
     std::array::from_fn(|k| {
-        let mean = looks.iter().map(|look| look[k]).sum::<f64>() / count;
-        let variance = looks.iter().map(|look| (look[k] - mean).powi(2)).sum::<f64>() / count;
+        let mean = samples.iter().map(|features| features[k]).sum::<f64>() / count;
+        let variance =
+            samples.iter().map(|features| (features[k] - mean).powi(2)).sum::<f64>() / count;
         (factor * variance.sqrt()).max(FINEST)
     })
 }
 
-fn log_density(looks: &[Look], width: &Look, seen: &Look) -> f64 {
-    let squared =
-        |look: &Look| -> f64 { (0..COUNT).map(|k| ((look[k] - seen[k]) / width[k]).powi(2)).sum() };
-    let nearest = looks.iter().map(&squared).fold(f64::INFINITY, f64::min);
-    let sum: f64 = looks.iter().map(|look| (0.5 * (nearest - squared(look))).exp()).sum();
+fn log_density(samples: &[ScanFeatures], width: &ScanFeatures, seen: &ScanFeatures) -> f64 {
+    let squared = |features: &ScanFeatures| -> f64 {
+        (0..COUNT).map(|k| ((features[k] - seen[k]) / width[k]).powi(2)).sum()
+    };
+    let nearest = samples.iter().map(&squared).fold(f64::INFINITY, f64::min);
+    let sum: f64 = samples.iter().map(|features| (0.5 * (nearest - squared(features))).exp()).sum();
     let volume: f64 = width.iter().map(|width| width.ln()).sum();
-    (sum / looks.len() as f64).ln() - 0.5 * nearest - volume
+    (sum / samples.len() as f64).ln() - 0.5 * nearest - volume
 }

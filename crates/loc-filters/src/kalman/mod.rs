@@ -24,8 +24,6 @@ use loc_core::error::{non_negative, positive};
 use loc_core::gaussian::check_covariance;
 use nalgebra::{Matrix1, SMatrix, SVector, Vector1};
 
-// The Kalman filter in one dimension (G1).
-
 /// A belief about one number, with its filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -89,8 +87,6 @@ impl ScalarKalmanFilter {
         Ok::<_, Error>(innovation)
     }
 }
-
-// The Kalman filter in n dimensions (G2).
 
 /// `x' = A x + B u + noise`: how a linear system of `N` states moves under `U` controls.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -166,7 +162,7 @@ impl<const N: usize> KalmanFilter<N> {
         Ok(KalmanFilter { belief: Gaussian::new(start.mean, start.covariance)? })
     }
 
-    /// What the filter believes now.
+    /// The current belief.
     pub fn belief(&self) -> &Gaussian<N> {
         &self.belief
     }
@@ -187,7 +183,7 @@ impl<const N: usize> KalmanFilter<N> {
         Ok(())
     }
 
-    /// Correction with a measurement `z`, unless the gate turns it away.
+    /// Correction with a measurement `z`, unless the gate rejects it.
     ///
     /// # Errors
     /// [`crate::Error::NotFinite`] for the measurement.

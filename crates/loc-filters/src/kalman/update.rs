@@ -46,12 +46,10 @@ pub(crate) fn correct<const N: usize, const M: usize>(
 }
 // ANCHOR_END: correct
 
-// Products of small matrices, column by column.
-//
-// The compiler unrolls these loops into vector instructions, since all sizes are constants; at
-// 6 x 6 that is about twice as fast as the general product (bench `kalman`).
-
 /// `A B`.
+///
+/// The compiler unrolls the loops into vector instructions, as all sizes are constants; at 6 x 6 this is
+/// about twice as fast as the general product (bench `kalman`).
 #[inline(always)]
 pub(super) fn times<const R: usize, const K: usize, const C: usize>(
     a: &SMatrix<f64, R, K>,
@@ -96,8 +94,6 @@ pub(super) fn mirrored<const N: usize>(mut matrix: SMatrix<f64, N, N>) -> SMatri
     }
     matrix
 }
-
-// States of which some are angles.
 
 /// A state whose angles are in (-pi, pi]; indices beyond the state are passed over.
 pub(crate) fn wrapped<const N: usize>(

@@ -36,12 +36,12 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
         Ok(LandmarkFilter { filter, settings, gate })
     }
 
-    /// What the filter believes now.
+    /// The current belief.
     pub fn belief(&self) -> &Gaussian<3> {
         self.filter.belief()
     }
 
-    /// Drives on with velocity `twist` for `dt` \[s\].
+    /// Prediction with velocity `twist` for `dt` \[s\].
     ///
     /// # Errors
     /// [`crate::Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative time.
@@ -104,8 +104,6 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
     }
 }
 
-// The models of H2: motion at a held velocity, and distance and direction of a landmark.
-
 /// A step at constant velocity (E2), with the lectures' error model (E7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityMotion {
@@ -157,7 +155,7 @@ struct View {
     /// From the robot to its camera, in the map \[m\].
     lever: (f64, f64),
     /// From the camera to the landmark, in the map \[m\].
-    way: (f64, f64),
+    offset: (f64, f64),
     /// Heading of the camera \[rad\].
     heading: f64,
 }
@@ -167,22 +165,22 @@ impl RangeBearingModel {
         let (sin, cos) = state.z.sin_cos();
         let (x, y) = (self.mounting.x, self.mounting.y);
         let lever = (cos * x - sin * y, sin * x + cos * y);
-        let way = (self.landmark.x - state.x - lever.0, self.landmark.y - state.y - lever.1);
-        View { lever, way, heading: state.z + self.mounting.theta }
+        let offset = (self.landmark.x - state.x - lever.0, self.landmark.y - state.y - lever.1);
+        View { lever, offset, heading: state.z + self.mounting.theta }
     }
 }
 
 impl View {
     // ANCHOR: range-bearing
     fn predict(&self) -> Vector2<f64> {
-        let (dx, dy) = self.way;
+        let (dx, dy) = self.offset;
         let range = (dx * dx + dy * dy).sqrt();
         Vector2::new(range, angle::wrap(dy.atan2(dx) - self.heading))
     }
 
     fn jacobian(&self, range: f64) -> Matrix2x3<f64> {
         let per_r = 1.0 / range.max(NEAREST);
-        let (ux, uy) = (self.way.0 * per_r, self.way.1 * per_r);
+        let (ux, uy) = (self.offset.0 * per_r, self.offset.1 * per_r);
         // As the robot turns, its camera moves at a right angle to the lever arm.
         let (lever_x, lever_y) = self.lever;
         let range_by_theta = ux * lever_y - uy * lever_x;
@@ -198,7 +196,7 @@ impl MeasurementModel<3, 2> for RangeBearingModel {
     }
 
     /// Rows `[(x-x_i)/r, (y-y_i)/r, .]` and `[-(y-y_i)/r^2, (x-x_i)/r^2, .]`; the last column
-    /// carries the camera's way round the robot's centre, and is (0, -1) for a camera there.
+    /// moves the camera round the robot's centre, and is (0, -1) for a camera there.
     fn jacobian(&self, state: &Vector3<f64>) -> Matrix2x3<f64> {
         self.linearize(state).1
     }

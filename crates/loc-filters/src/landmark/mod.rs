@@ -33,9 +33,7 @@ use loc_core::Pose2;
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_sensors::landmark_camera::LandmarkNoise;
 
-// The settings of landmark localization.
-
-/// All that landmark localization can be told, with defaults that serve a small indoor robot.
+/// Settings of landmark localization, with defaults for a small indoor robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]

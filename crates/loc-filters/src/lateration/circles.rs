@@ -45,15 +45,15 @@ pub enum Miss {
 pub fn two_circles(a: &Range<2>, b: &Range<2>) -> Result<Crossing> {
     a.check()?;
     b.check()?;
-    let way = b.landmark - a.landmark;
-    let apart = way.norm();
+    let offset = b.landmark - a.landmark;
+    let apart = offset.norm();
     if apart <= 1e-12 * (1.0 + a.landmark.coords.norm() + b.landmark.coords.norm()) {
         return Err(Error::Undetermined {
             expected: "two landmarks at different places",
             found: format!("both at ({}, {})", a.landmark.x, a.landmark.y),
         });
     }
-    let ahead = way / apart;
+    let ahead = offset / apart;
     if apart > a.distance + b.distance {
         let gap = apart - a.distance - b.distance;
         return Ok(miss(a, ahead, a.distance, gap, b, Miss::Apart));
@@ -89,8 +89,6 @@ fn miss(
     Crossing::Miss { nearest, gap: gap.abs(), reason }
 }
 
-// Newton's method from a start, as the lectures have it (D1, D3).
-
 /// More steps than a start near a root ever needs: each doubles the right digits.
 const STEPS: usize = 50;
 
@@ -111,7 +109,7 @@ const STEPS: usize = 50;
 /// # Errors
 /// Those of [`Range::check`], [`loc_core::Error::OutOfRange`] for a start that is not finite, and
 /// [`Error::NoRoot`] where the method does not settle: the circles do not meet, or the start lies
-/// on the line (plane) through the landmarks, from which no way leads to either side.
+/// on the line (plane) through the landmarks, from which no step leads to either side.
 // ANCHOR: newton
 pub fn newton<const D: usize>(
     ranges: &[Range<D>; D],

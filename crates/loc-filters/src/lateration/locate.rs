@@ -48,7 +48,7 @@ pub fn locate<const D: usize>(
     let frame = Frame::of(ranges)?;
     let in_frame: Vec<Range<D>> = ranges.iter().map(|range| frame.range(range)).collect();
     let bias = frame.bias(settings.bias);
-    let problem = Place::new(&in_frame, LaterationSettings { bias, ..*settings });
+    let problem = RangeProblem::new(&in_frame, LaterationSettings { bias, ..*settings });
     let start = start.map(|start| frame.place(&start));
     let mut fixes = Vec::with_capacity(2);
     for minimum in minima(&problem, &in_frame, start)?.iter().take(2) {
@@ -66,7 +66,7 @@ pub fn locate<const D: usize>(
 
 /// The minima of the cost, the best first; of two that fit alike, the more plausible.
 fn minima<const D: usize>(
-    problem: &Place<D>,
+    problem: &RangeProblem<D>,
     ranges: &[Range<D>],
     start: Option<Point<f64, D>>,
 ) -> Result<Vec<Minimum>> {
@@ -127,29 +127,27 @@ fn cautions<const D: usize>(
     cautions
 }
 
-// Ranges as a sum to minimise over coordinates, scale and offset.
-
 /// Ranges in a frame in which their extent is 1.
-pub(super) struct Place<'a, const D: usize> {
+pub(super) struct RangeProblem<'a, const D: usize> {
     ranges: &'a [Range<D>],
     settings: LaterationSettings,
     /// Typical sigma of a squared distance, the unit of the SSE.
     square: f64,
 }
 
-impl<'a, const D: usize> Place<'a, D> {
+impl<'a, const D: usize> RangeProblem<'a, D> {
     pub(super) fn new(ranges: &'a [Range<D>], settings: LaterationSettings) -> Self {
         let total: f64 = ranges.iter().map(|r| square_sigma(r).powi(2)).sum();
         let square = (total / ranges.len().max(1) as f64).sqrt();
-        Place { ranges, settings, square }
+        RangeProblem { ranges, settings, square }
     }
 
     fn row(&self, range: &Range<D>, at: &Unknowns) -> Row {
         let bias = RangeBias { scale: at[SCALE], offset: at[OFFSET] };
-        let way = SVector::<f64, D>::from_fn(|k, _| at[k] - range.landmark[k]);
-        let distance = way.norm();
+        let offset = SVector::<f64, D>::from_fn(|k, _| at[k] - range.landmark[k]);
+        let distance = offset.norm();
         // At a landmark the distance has no direction and says nothing to first order.
-        let direction = way.try_normalize(0.0).unwrap_or_else(SVector::zeros);
+        let direction = offset.try_normalize(0.0).unwrap_or_else(SVector::zeros);
         let loss = self.settings.loss;
         let mut gradient = Unknowns::zeros();
         let expected = bias.reported(distance);
@@ -194,7 +192,7 @@ impl<'a, const D: usize> Place<'a, D> {
     }
 }
 
-impl<const D: usize> Problem for Place<'_, D> {
+impl<const D: usize> Problem for RangeProblem<'_, D> {
     fn rows(&self, at: &Unknowns, visit: &mut dyn FnMut(&Row)) {
         self.ranges.iter().for_each(|range| visit(&self.row(range, at)));
         bias_rows(&self.settings.bias, at, visit);
@@ -245,12 +243,6 @@ fn square_sigma<const D: usize>(range: &Range<D>) -> f64 {
     f64::hypot(linear, std::f64::consts::SQRT_2 * range.sigma * range.sigma)
 }
 
-// Places to start from, in closed form.
-//
-// The difference of two equations `|x - l_i|^2 = d_i^2` is linear in x. Landmarks that do not lie
-// on one line (plane) so determine the place; those that do leave out the direction across it, in
-// which the mean of the equations gives the distance, to either side.
-
 /// The landmarks' extent across their line (plane) may be this share of that along it before it
 /// counts.
 const FLAT: f64 = 1e-6;
@@ -263,6 +255,10 @@ const POINT: f64 = 1e-12;
 ///
 /// # Errors
 /// [`Error::Undetermined`] where too many directions are left out.
+///
+/// The difference of two equations `|x - l_i|^2 = d_i^2` is linear in x. Landmarks that do not lie on
+/// one line (plane) therefore determine the position; those that do leave the direction across it
+/// open, in which the mean of the equations gives the distance, to either side.
 pub(super) fn candidates<const D: usize>(ranges: &[Range<D>]) -> Result<Vec<Point<f64, D>>> {
     let count = ranges.len() as f64;
     let landmarks: Vec<Vector3<f64>> = ranges.iter().map(in_space).collect();
@@ -328,14 +324,13 @@ fn undetermined(coordinates: usize, apart: bool) -> Error {
     }
 }
 
-// Ranges at their own scale: about their middle, in units of their extent.
-//
-// Coordinates of millions of metres and ranges of millimetres so keep all their digits.
-
 /// Extents whose fourth powers are neither 0 nor infinite.
 const EXTENTS: std::ops::RangeInclusive<f64> = 1e-70..=1e70;
 
 /// Where ranges lie and how large they are.
+///
+/// Ranges are shifted by their centroid and divided by their extent, so that coordinates of millions of
+/// metres and ranges of millimetres keep all their digits.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame<const D: usize> {
     middle: SVector<f64, D>,

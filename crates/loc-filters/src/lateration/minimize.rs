@@ -14,7 +14,7 @@ pub(super) const OFFSET: usize = 4;
 pub(super) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(super) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// Steps at most: a handful where the terms fit, hundreds along a valley where they contradict each
+/// Maximum number of steps: a handful where the terms fit, hundreds along a valley where they contradict each
 /// other.
 const STEPS: usize = 500;
 /// A step this small beside the reach of an unknown ends the search.
@@ -184,7 +184,7 @@ fn growth(problem: &dyn Problem, at: &Unknowns, cost: f64, step: &Unknowns) -> f
     0.5 * (there(at + step) + there(at - step))
 }
 
-/// The share of `direction`, at most `most`, over which the sum grows by 1.
+/// The share of `direction`, at most `max_share`, over which the sum grows by 1.
 fn profile(
     problem: &dyn Problem,
     at: &Unknowns,

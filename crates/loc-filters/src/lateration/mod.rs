@@ -41,8 +41,6 @@ use loc_core::Gaussian;
 use loc_core::error::{finite, in_range, non_negative, positive};
 use nalgebra::{Point, SMatrix, SVector};
 
-// The measurement: a distance to a landmark whose place is known.
-
 /// A measured distance to a landmark, in the plane (`D` = 2) or in space (`D` = 3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range<const D: usize> {
@@ -93,8 +91,6 @@ impl RangeBias {
         self.scale * distance + self.offset
     }
 }
-
-// What lateration can be told.
 
 /// What a fix minimises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -193,7 +189,7 @@ impl Default for BiasPrior {
     }
 }
 
-/// All that lateration can be told. The default is the most likely place under normal errors, of a
+/// Settings of lateration. The default is the most likely place under normal errors, of a
 /// sensor without bias.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -219,8 +215,6 @@ impl LaterationSettings {
         self.bias.check()
     }
 }
-
-// What lateration answers.
 
 /// A place with all that is known about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -310,8 +304,6 @@ impl Caution {
     pub const MARGIN: f64 = 9.0;
 }
 
-// How geometry magnifies the noise of ranges.
-
 /// Dilution of precision: standard deviation of a place by that of the ranges, if all are equally
 /// good; the square roots of the diagonal of `(H^T H)^-1`, with the directions to the landmarks as
 /// the rows of H.
@@ -344,9 +336,9 @@ impl<const D: usize> Dilution<D> {
     ) -> Result<Self> {
         let (mut matrix, mut count) = (SMatrix::<f64, D, D>::zeros(), 0);
         for landmark in landmarks {
-            let way = place - landmark;
+            let offset = place - landmark;
             // At a landmark its range has no direction and says nothing to first order.
-            let direction = way.try_normalize(0.0).unwrap_or_else(SVector::zeros);
+            let direction = offset.try_normalize(0.0).unwrap_or_else(SVector::zeros);
             matrix.ger(1.0, &direction, &direction, 1.0);
             count += 1;
         }

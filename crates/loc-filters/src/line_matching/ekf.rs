@@ -30,7 +30,7 @@ pub struct LineFilter<F> {
     map: Arc<LineMap>,
     settings: LineMatchingSettings,
     gate: Gate,
-    /// The way since the last scan that fits.
+    /// The path since the last scan that fits.
     path: Option<DrivenPath>,
     tracking: Tracking,
     /// What the last scan has led to.
@@ -56,7 +56,7 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
     ) -> Result<Self> {
         let map = map.into();
         if map.is_empty() {
-            let expected = "a map with at least one line";
+            let expected = "a map with at min_sigmas one line";
             return Err(loc_core::Error::Length { what: "line map", expected, found: 0 }.into());
         }
         let gate = settings.gate()?;
@@ -74,7 +74,7 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
         })
     }
 
-    /// What the filter believes now.
+    /// The current belief.
     pub fn belief(&self) -> Gaussian<3> {
         pose_of(self.filter.belief())
     }
@@ -90,7 +90,7 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
         }
     }
 
-    /// Whether it still knows where the robot is.
+    /// Whether the filter still fits the scans.
     pub fn tracking(&self) -> Tracking {
         self.tracking
     }
@@ -117,7 +117,7 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
         predicted_lines(&self.map, belief, mounting, view, &self.settings)
     }
 
-    /// Starts anew from a belief, as after the robot was lost and found again.
+    /// Starts anew from a belief, as after a relocalization.
     ///
     /// # Errors
     /// Those of [`Gaussian::new`]; the filter is then as it was.
@@ -136,13 +136,13 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
     /// [`crate::Error::NotFinite`] for the pose.
     pub fn odometry(&mut self, pose: Pose2) -> Result<()> {
         crate::innovation::finite("pose of the odometry", &pose.to_vector())?;
-        let way = self.path.get_or_insert(DrivenPath::starting_at(pose));
-        let mut path = DrivenPath::starting_at(way.end());
+        let path = self.path.get_or_insert(DrivenPath::starting_at(pose));
+        let mut path = DrivenPath::starting_at(path.end());
         path.extend(pose);
         let variances = self.settings.motion.variances(&path);
         let wander = self.settings.systematic.wander(path.length());
         self.filter.predict(&OdometryStep { path, variances, wander })?;
-        way.extend(pose);
+        path.extend(pose);
         Ok(())
     }
 
@@ -170,8 +170,8 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
         crate::innovation::finite("mounting of the laser", &mounting.to_vector())?;
         seen.iter().try_for_each(check)?;
         let motion = &self.settings.motion;
-        let least = [motion.min_position, motion.min_position, motion.min_heading];
-        let mut attempt = self.attempt(&seen, view, mounting, least.into())?;
+        let min_sigmas = [motion.min_position, motion.min_position, motion.min_heading];
+        let mut attempt = self.attempt(&seen, view, mounting, min_sigmas.into())?;
         if attempt.fits == Some(false) && motion.fault_probability > 0.0 {
             // Perhaps odometry has failed since a scan fitted, or was off as it rarely is.
             let rarely = |path| {
@@ -233,7 +233,7 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
         Some(share >= self.settings.lost.min_share)
     }
 
-    /// Believes a correction, unless the scan does not fit.
+    /// Accepts a correction, unless the scan does not fit.
     fn take(&mut self, seen: Vec<Line>, mounting: Pose2, attempt: Attempt<F>) -> LineUpdate {
         let before = self.belief();
         let Attempt { filter, predicted, mut pairs, fits } = attempt;
@@ -322,8 +322,6 @@ struct Attempt<F> {
     fits: Option<bool>,
 }
 
-// What a scan told the filter.
-
 /// Whether line matching still knows where the robot is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tracking {
@@ -333,8 +331,8 @@ pub enum Tracking {
     /// This many scans in a row do not fit; the belief is carried on by odometry and by the few
     /// lines that do.
     Doubtful(usize),
-    /// So many do not fit that the robot is most likely elsewhere. The filter goes on, but its
-    /// covariance says nothing any more: somebody else has to find the robot, and to restart the
+    /// So many do not fit that the robot is most likely elsewhere (delocalized). The filter goes on, but
+    /// its covariance is no longer valid: the robot has to be relocalized by other means, to restart the
     /// filter there.
     Lost(usize),
 }

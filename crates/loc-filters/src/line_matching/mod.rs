@@ -44,9 +44,7 @@ use loc_core::motion::PathNoise;
 use loc_sensors::features::LineExtractor;
 use nalgebra::Vector2;
 
-// The settings of line matching.
-
-/// All that line matching can be told, with defaults that serve a small indoor robot.
+/// Settings of line matching, with defaults for a small indoor robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -97,7 +95,7 @@ pub struct SystematicErrors {
     pub drift: f64,
     /// Error of distances, as of wheels of another size \[-\].
     pub scale: f64,
-    /// How much both change on a way of 1 m, as a share of the above.
+    /// How much both change over 1 m of path, as a share of the above.
     pub wander: f64,
 }
 
@@ -157,7 +155,7 @@ impl Default for LineMatchingSettings {
 }
 
 impl SystematicErrors {
-    /// Variances that drift and scale gain on a way \[m\].
+    /// Variances that drift and scale gain over a path length \[m\].
     fn wander(&self, length: f64) -> Vector2<f64> {
         let change = |sigma: f64| (sigma * self.wander).powi(2) * length;
         Vector2::new(change(self.drift), change(self.scale))

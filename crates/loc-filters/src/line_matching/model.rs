@@ -16,8 +16,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// (r, alpha) of a line of the map in the frame of a scanner on the robot (H4).
 ///
 /// With the line `X cos A + Y sin A = R` of the map and a scanner at `(x_l, y_l, theta_l)`,
-/// `h = (R - x_l cos A - y_l sin A, A - theta_l)`. It is linear in the pose but for the way that
-/// the scanner swings about the robot's centre as it turns.
+/// `h = (R - x_l cos A - y_l sin A, A - theta_l)`. It is linear in the pose except for
+/// the motion of the scanner about the robot's centre as it turns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineModel {
     normal: NormalForm,
@@ -50,7 +50,7 @@ impl LineModel {
     }
 
     /// Signed distance of the line from the scanner along its normal in the map \[m\], and 1 where
-    /// (r, alpha) looks the way of that normal, -1 where it looks back.
+    /// (r, alpha) has the direction of that normal, -1 where it is opposite.
     fn distance_and_side(&self, state: &Vector3<f64>) -> (f64, f64) {
         let (sin, cos) = self.normal.alpha.sin_cos();
         let lever = self.lever(state.z);
@@ -92,8 +92,6 @@ impl MeasurementModel<3, 2> for LineModel {
     }
 }
 
-// The state of the filter: the pose, and what the odometry gets wrong all the time.
-
 /// Number of states: x, y, theta, the drift of the odometry's heading \[rad/m\], and the share by
 /// which its distances are too short.
 pub const STATES: usize = 5;
@@ -127,8 +125,8 @@ pub(super) fn pose_of(belief: &Gaussian<STATES>) -> Gaussian<3> {
 
 /// A step of the odometry, without what it gets wrong all the time.
 ///
-/// A way of length L turns the heading by `drift L` more, half of it by the middle of the way, and
-/// is longer by the share `scale`. Backwards it turns the other way round.
+/// A path of length L turns the heading by `drift L` more, half of it by the middle of the path, and
+/// is longer by the share `scale`. Backwards the turn has the opposite sign.
 pub(super) struct OdometryStep {
     pub(super) path: DrivenPath,
     /// Variances along the step, across it, and of the heading.
@@ -204,8 +202,6 @@ impl MeasurementModel<STATES, 2> for OfPose {
         self.0.residual(z, expected)
     }
 }
-
-// The lines that a scanner should see from a pose (H4).
 
 /// A position that is known this well looks the same from all places where it may be \[m\].
 const WELL_KNOWN: f64 = 0.1;

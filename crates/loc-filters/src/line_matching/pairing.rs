@@ -19,7 +19,7 @@ pub(super) struct Lines<'a> {
     pub(super) predicted: &'a [PredictedLine],
     /// The predicted stretches, in the map.
     pub(super) stretches: Vec<LineSegment>,
-    /// Least share of the shorter of two lines beside the other one.
+    /// Minimum share of the shorter of two lines beside the other one.
     pub(super) min_overlap: f64,
     /// How far a line may be seen beyond the stretch that is predicted \[m\].
     pub(super) slack: f64,
@@ -123,15 +123,6 @@ impl Pairing<2> for WithBelief<'_> {
     }
 }
 
-// Which lines are the same: the most likely set of pairs.
-//
-// A robot whose heading is off by some degrees sees all walls turned alike, and the nearest line
-// of the map may be the wrong one for each of them. So a set of pairs is judged as a whole: each
-// pair by its likelihood under the belief that the pairs before have left, each line without a
-// partner by the likelihood of seeing something unknown there. A set grows from one pair, always
-// by the pair that is most likely next; it is grown from each pair that competes with the best
-// set so far.
-
 /// Things that the map does not know are seen anywhere up to this distance \[m\].
 const CLUTTER_RANGE: f64 = 10.0;
 
@@ -147,6 +138,12 @@ struct PairSet {
 }
 
 /// The most likely set of pairs.
+///
+/// With a heading error of some degrees all walls are turned alike, and the nearest line of the map may
+/// be the wrong one for each of them. So a set of pairs is evaluated as a whole: each pair by its
+/// likelihood under the belief that the pairs before have left, each line without a partner by the
+/// likelihood of an unknown object there. A set grows from one pair, each time by the pair that is most
+/// likely next; it is grown from each pair that competes with the best set so far.
 // ANCHOR: most-likely
 pub(super) fn most_likely(
     lines: &Lines<'_>,
@@ -171,7 +168,7 @@ pub(super) fn most_likely(
 }
 // ANCHOR_END: most-likely
 
-/// Pairs that somebody else has found, in the order in which a set of them grows, without those
+/// Given pairs, in the order in which a set of them grows, without those
 /// that do not fit it.
 pub(super) fn in_order(
     lines: &Lines<'_>,

@@ -1,4 +1,4 @@
-//! Linear Kalman SLAM: a robot that slides in the plane and never turns (I1).
+//! Linear Kalman SLAM: a robot that moves in the plane without turning (I1).
 
 use super::state::{LargeState, Row};
 use crate::delayed::{Clock, Sequential};
@@ -13,12 +13,12 @@ use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed}
 use nalgebra::{DMatrix, Matrix2, Matrix3, Point2, Rotation2, Vector2};
 use std::collections::BTreeMap;
 
-/// What linear SLAM can be told.
+/// Settings of linear SLAM.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct LinearSlamSettings {
-    /// Variance of the way driven along each axis, per metre of it \[m^2/m\].
+    /// Variance of the displacement along each axis, per metre of it \[m^2/m\].
     pub k_d: f64,
     /// Share of right observations that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
@@ -81,7 +81,7 @@ impl LinearSlam {
         Ok(LinearSlam { state, settings, gate, numbers: BTreeMap::new() })
     }
 
-    /// Slides on with a velocity (vx, vy) \[m/s\] for `dt` \[s\]: `A = I`, `B = T I`, and a variance
+    /// Prediction with a velocity (vx, vy) \[m/s\] for `dt` \[s\]: `A = I`, `B = T I`, and a variance
     /// of `k_d |v_i| T` along each axis.
     ///
     /// # Errors
@@ -131,7 +131,7 @@ impl LinearSlam {
         Ok(innovations)
     }
 
-    // ANCHOR: evaluate
+    // ANCHOR: judge
     fn evaluate(
         &self,
         landmark: usize,
@@ -151,7 +151,7 @@ impl LinearSlam {
         }
         Ok(innovation)
     }
-    // ANCHOR_END: evaluate
+    // ANCHOR_END: judge
 
     /// An observation of a number that the state did not have when its group began.
     fn welcome(&mut self, observation: &RelativeObservation) -> Result<Option<Innovation<2>>> {

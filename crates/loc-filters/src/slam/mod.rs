@@ -1,12 +1,11 @@
-//! Simultaneous localization and mapping: a robot in a place it has no map of (I1 to I4).
+//! Simultaneous localization and mapping: a robot without a map of the place (I1 to I4).
 //!
-//! The robot draws the map while it drives, and finds itself in it at the same time. Whatever it
-//! is wrong about itself it is then wrong about all landmarks alike; the covariance between them
-//! says so, and when the robot comes back to a landmark that it knew early on, the correction runs
-//! through the whole map. That is why the filters here keep the covariance of everything with
-//! everything, once each, and why their cost grows with its size.
+//! The robot builds the map while it moves, and localizes in it at the same time. An error of its pose
+//! is shared by all landmarks observed from there; the covariance between them records that. When the
+//! robot observes an early landmark again, the correction changes the whole map. The filters here
+//! therefore keep the full covariance, each element once, and their cost grows with its size.
 //!
-//! * [`LinearSlam`] is the simplest case, a robot that slides without turning (I1);
+//! * [`LinearSlam`] is the simplest case, a robot that moves without turning (I1);
 //! * [`EkfSlam`] has a heading, sees distance and direction, and can do without numbers on the
 //!   landmarks (I2 to I4). [`SlamLocalizer`] around it takes stamped inputs as they come.
 //!

@@ -1,8 +1,8 @@
-//! Smoothing: what the whole drive says about each moment (Rauch, Tung and Striebel 1965).
+//! Smoothing: the belief of each moment from all measurements (Rauch, Tung and Striebel 1965).
 //!
-//! A filter knows the past of each moment, not its future: a landmark seen now also says where the
-//! robot was a second ago. Once a drive is over, the smoother walks back through the filter's
-//! beliefs and takes to each what those after it have learnt. The smoothed beliefs of a linear
+//! A filter uses the past of each moment, not its future: a landmark observed now also determines where
+//! the robot was a second ago. At the end of a recording the smoother runs backwards through the
+//! filter's beliefs and corrects each by those after it. The smoothed beliefs of a linear
 //! system are exactly those that least squares over all measurements at once gives.
 //!
 //! A filter is wrapped in [`Recorded`], run as always, and smoothed at the end; other filters hand
@@ -91,14 +91,14 @@ impl<const N: usize> Smoother<N> {
         self
     }
 
-    /// Takes in a prediction by the linearised motion `F`, `Q` that led to the belief `predicted`.
+    /// Records a prediction by the linearised motion `F`, `Q` that led to the belief `predicted`.
     /// This opens a new moment.
     pub fn predicted(&mut self, motion: &LinearizedMotion<N>, predicted: &Gaussian<N>) {
         let link = Link::Tangent { jacobian: motion.jacobian, noise: motion.noise };
         self.linked(link, predicted);
     }
 
-    /// Takes in a prediction that led to the belief `predicted`, by what links it to the one before.
+    /// Records a prediction that led to the belief `predicted`, by what links it to the one before.
     /// This opens a new moment.
     pub fn linked(&mut self, link: Link<N>, predicted: &Gaussian<N>) {
         let step = Some(Step { predicted: *predicted, link });
@@ -106,12 +106,12 @@ impl<const N: usize> Smoother<N> {
         self.past.push(std::mem::replace(&mut self.now, next));
     }
 
-    /// Takes in the belief after a correction; of several at one moment the last one counts.
+    /// Records the belief after a correction; of several at one moment the last one counts.
     pub fn corrected(&mut self, belief: &Gaussian<N>) {
         self.now.filtered = *belief;
     }
 
-    /// Asks for the belief of this moment, see [`smooth_marked`](Smoother::smooth_marked).
+    /// Marks the belief of this moment, see [`smooth_marked`](Smoother::smooth_marked).
     pub fn mark(&mut self) {
         self.now.marks += 1;
     }
@@ -221,18 +221,15 @@ impl<const N: usize> Smoother<N> {
     }
 }
 
-// What the smoother needs to know of a filter: its belief, its angles, and how it came from one
-// moment to the next.
-
 /// A filter that [`Recorded`](Recorded) can keep the past of.
 pub trait Recordable<const N: usize> {
-    /// What the filter believes now.
+    /// The current belief.
     fn belief(&self) -> &Gaussian<N>;
     /// The states that are angles.
     fn angles(&self) -> &'static [usize];
 }
 
-/// How the state before a prediction and the one after it hang together.
+/// How the states before and after a prediction are related.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Link<const N: usize> {
     /// By a tangent: the state after is `F x` and noise.
@@ -252,8 +249,6 @@ pub enum Link<const N: usize> {
         noise: SMatrix<f64, N, N>,
     },
 }
-
-// The gain of the smoother, also where a prediction was certain of something.
 
 /// Directions whose variance is smaller than this share of that of the coordinates, are certain.
 const CERTAIN: f64 = 1e-12;
@@ -297,12 +292,10 @@ fn pseudo_inverse<const N: usize>(matrix: &SMatrix<f64, N, N>) -> SMatrix<f64, N
     SMatrix::from_fn(|i, j| product[(i, j)])
 }
 
-// A past that grows at its end, and of which copies share what they have in common.
-//
-// Filters are copied often: to try something out, to come back when an input is late. A copy of a
-// chain costs nothing, however long it is.
-
 /// Values in the order in which they were pushed.
+///
+/// Filters are copied often: to try a correction, or to keep the state before an input that may be
+/// followed by a late one. A copy of a chain takes constant time, whatever its length.
 struct Chain<T> {
     last: Option<Arc<Entry<T>>>,
     len: usize,

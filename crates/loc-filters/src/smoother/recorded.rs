@@ -40,7 +40,7 @@ impl<F: Recordable<N>, const N: usize> Recorded<F, N> {
         &self.filter
     }
 
-    /// What the filter believes now.
+    /// The current belief.
     pub fn belief(&self) -> &Gaussian<N> {
         self.filter.belief()
     }
@@ -120,7 +120,7 @@ impl<F: Recordable<N>, const N: usize> Recordable<N> for Recorded<F, N> {
 }
 
 impl<F: NonlinearFilter<N>, const N: usize> NonlinearFilter<N> for Recorded<F, N> {
-    const BENDS: bool = F::BENDS;
+    const SECOND_ORDER: bool = F::SECOND_ORDER;
 
     fn start(belief: Gaussian<N>, angles: &'static [usize]) -> Result<Self> {
         Ok(Recorded::new(F::start(belief, angles)?))

@@ -1,8 +1,8 @@
-//! What is believed, at two resolutions, and how it follows motions and scans.
+//! The belief at two resolutions, with its prediction and correction.
 //!
 //! Three parts that add up to 1: a grid over the whole map, a fine grid about the most likely
 //! place, and the share of a robot that may be anywhere, evenly. The last one stands for all cells
-//! that are too unlikely to be kept one by one, and for a robot that was carried off.
+//! that are too unlikely to be kept one by one, and for a kidnapped robot.
 
 use super::correct::{Correction, Prior, Scan, Sensor};
 use super::settings::{FineSettings, GridSettings};
@@ -15,8 +15,8 @@ use loc_core::{Gaussian, Pose2, angle};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 
-/// Less than this is nothing: a belief that cannot be.
-const NOTHING: f64 = 1e-12;
+/// A total probability below this counts as 0.
+const MIN_TOTAL: f64 = 1e-12;
 
 #[derive(Debug, Clone)]
 pub(super) struct Belief {
@@ -136,7 +136,7 @@ impl Belief {
     /// that may be anywhere.
     fn scale_to(&mut self, total: f64) {
         let sum = self.stack.total() + self.in_window() + self.anywhere;
-        if !(sum > NOTHING && sum.is_finite()) {
+        if !(sum > MIN_TOTAL && sum.is_finite()) {
             self.forget();
             return;
         }
@@ -157,7 +157,7 @@ impl Belief {
         }
     }
 
-    /// Takes in a scan; what the correction found is handed back.
+    /// Correction with a scan; returns what it has computed.
     // ANCHOR: correct
     pub(super) fn correct(
         &mut self,
@@ -297,8 +297,6 @@ fn deposit(window: &Window, coarse: &mut Stack, space: &PoseSpace) -> f64 {
     outside
 }
 
-// The belief of a robot whose start is known.
-
 /// A normal distribution, with the extent of the cells that it is put into.
 struct Density {
     start: Gaussian<3>,
@@ -346,9 +344,6 @@ fn fill(stack: &mut Stack, log_density: impl Fn(usize, usize) -> Option<f64>) ->
         .for_each(|&(layer, place, log)| stack.add(layer, place, (log - highest).exp() / total));
     Ok(())
 }
-
-// Where the fine grid looks: it is opened at the most likely place, and takes over from the coarse
-// grid what lies within its reach.
 
 /// The places about the most likely cell of the coarse grid, as far as a fine grid reaches.
 #[derive(Debug, Clone, Copy)]

@@ -1,8 +1,8 @@
 //! The correction: each cell's probability times how likely the scan is there.
 //!
 //! How likely a scan is in a cell is its mean over the poses of the cell: all the free map cells of
-//! the square and several headings. Most cells need not be asked. Their bound already says that
-//! together they cannot have more than a given share of the result.
+//! the square and several headings. Most cells need not be rated: by their bounds they cannot have
+//! more than a given share of the result together.
 
 use super::field::{BoundMaps, LayerBounds, PaddedCodes};
 use super::settings::GridSettings;
@@ -30,7 +30,7 @@ pub(super) struct Correction {
     pub(super) fine: Vec<f64>,
     /// Logarithm of the mean likelihood over the belief.
     pub(super) log_evidence: f64,
-    /// The most that all cells together that were passed over can have of the result.
+    /// Upper bound of the probability of all cells that were passed over.
     pub(super) passed_over: f64,
 }
 
@@ -203,8 +203,6 @@ impl Rating<'_> {
     }
 }
 
-// How many cells have bounds of which height, and from which height on they matter.
-
 /// Height of a level \[nat\].
 const HEIGHT: f32 = 0.25;
 
@@ -282,8 +280,6 @@ impl Levels {
     }
 }
 
-// How likely a scan is: the likelihood field in the forms that grids need.
-
 /// The likelihood field of a map, made ready for grids.
 #[derive(Debug, Clone)]
 pub(super) struct Sensor {
@@ -349,9 +345,7 @@ impl Sensor {
     }
 }
 
-// A scan, made ready to rate the poses of a grid.
-
-/// The most headings of a sector that are looked at.
+/// Maximum number of headings rated within a sector.
 const MAX_TURNS: f64 = 64.0;
 
 /// Where the beams of a scan end, and what the codes there mean.

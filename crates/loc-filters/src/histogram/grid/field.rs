@@ -4,6 +4,111 @@ use super::correct::Scan;
 use super::space::PoseSpace;
 use loc_maps::LikelihoodField;
 
+/// Codes row by row, with a margin that stands for what lies off the map.
+#[derive(Debug, Clone)]
+pub(super) struct Picture {
+    width: usize,
+    codes: Vec<u8>,
+}
+
+impl Picture {
+    /// The codes of a field with a margin of so many cells.
+    pub(super) fn padded(field: &LikelihoodField, margin: usize) -> Self {
+        let (width, height) = (field.frame().width(), field.frame().height());
+        let pitch = width + 2 * margin;
+        let mut codes = vec![field.code_off_map(); pitch * (height + 2 * margin)];
+        let rows = codes.chunks_exact_mut(pitch).skip(margin);
+        for (padded, row) in rows.zip(field.cell_codes().chunks_exact(width)) {
+            padded[margin..margin + width].copy_from_slice(row);
+        }
+        Picture { width: pitch, codes }
+    }
+
+    /// Columns, margin included.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The codes row by row.
+    pub(super) fn codes(&self) -> &[u8] {
+        &self.codes
+    }
+
+    /// The highest code in the window that reaches so many cells to all sides of each cell, at most
+    /// as many as the margin is wide.
+    ///
+    /// Rows are taken as one long line: what a window sees of the row before or after it is margin,
+    /// as what it would see beyond the edge is.
+    pub(super) fn highest(&self, reach: usize) -> Picture {
+        let across = highest_of_line(&self.codes, reach, 1);
+        Picture { width: self.width, codes: highest_of_line(&across, reach, self.width) }
+    }
+}
+
+/// The highest value within `reach` steps of each place, by windows that double in length.
+fn highest_of_line(line: &[u8], reach: usize, step: usize) -> Vec<u8> {
+    // `ahead` holds the highest of `covered` values from each place on; two of them side by side
+    // make one that covers twice as many.
+    let (mut ahead, mut covered) = (line.to_vec(), 1);
+    while 2 * covered <= 2 * reach + 1 {
+        let mut twice = ahead.clone();
+        take_higher(&mut twice, ahead.get(covered * step..).unwrap_or_default());
+        ahead = twice;
+        covered *= 2;
+    }
+    // One window from the first place within reach on, and one up to the last.
+    let mut highest = line.to_vec();
+    for back in [reach, covered - reach - 1] {
+        take_higher(highest.get_mut(back * step..).unwrap_or_default(), &ahead);
+    }
+    highest
+}
+
+fn take_higher(values: &mut [u8], others: &[u8]) {
+    values.iter_mut().zip(others).for_each(|(value, other)| *value = (*value).max(*other));
+}
+
+/// A picture sorted by column and row modulo the side of a square: each part holds every `side`-th
+/// column of every `side`-th row.
+#[derive(Debug, Clone)]
+pub(super) struct Phases {
+    codes: Vec<u8>,
+    side: usize,
+    /// Columns and rows of each part.
+    part: [usize; 2],
+}
+
+impl Phases {
+    pub(super) fn of(picture: &Picture, side: usize) -> Self {
+        let height = picture.codes.len() / picture.width;
+        let part = [picture.width.div_ceil(side), height.div_ceil(side)];
+        let last = [picture.width - 1, height - 1];
+        let mut codes = Vec::with_capacity(part[0] * part[1] * side * side);
+        // What the last squares have beyond the picture counts as its edge, which is margin.
+        for phase in 0..side * side {
+            let (phase_x, phase_y) = (phase % side, phase / side);
+            for row in (0..part[1]).map(|row| (row * side + phase_y).min(last[1])) {
+                let row = &picture.codes[row * picture.width..(row + 1) * picture.width];
+                let column = |column: usize| (column * side + phase_x).min(last[0]);
+                codes.extend((0..part[0]).map(|k| row[column(k)]));
+            }
+        }
+        Phases { codes, side, part }
+    }
+
+    /// Columns and rows of each part.
+    pub(super) fn part_size(&self) -> [usize; 2] {
+        self.part
+    }
+
+    /// The part of these columns and rows, row by row.
+    pub(super) fn part(&self, phase_x: usize, phase_y: usize) -> &[u8] {
+        let length = self.part[0] * self.part[1];
+        let first = (phase_y * self.side + phase_x) * length;
+        self.codes.get(first..first + length).unwrap_or_default()
+    }
+}
+
 /// The codes of the field row by row, with a margin that stands for all that lies off the map.
 #[derive(Debug, Clone)]
 pub(super) struct PaddedCodes {
@@ -81,16 +186,6 @@ impl PaddedCodes {
     }
 }
 
-// How likely a scan can be at best anywhere in a cell of the grid.
-//
-// Seen from anywhere in a square and a sector of headings, a beam ends somewhere in a small window
-// about where it ends seen from the middle. The highest likelihood in that window is computed
-// beforehand, for windows of several sizes; the sum over the beams is a bound for every pose of
-// the cell. Cells whose bound is low need not be looked at more closely.
-//
-// The maxima lie sorted by their column and row modulo the side of a square: the ends of one beam
-// seen from a row of squares are then neighbours in memory, and are added up many at a time.
-
 /// How many sizes of windows there are.
 const SIZES: usize = 7;
 
@@ -104,6 +199,13 @@ const IN_16_BITS: usize = 257;
 const ROUNDING: f64 = 1e-6;
 
 /// The highest codes in windows about all cells.
+///
+/// Seen from any pose of a square and a sector of headings, a beam ends within a small window about its
+/// end as seen from the middle. The highest likelihood in that window is computed beforehand, for
+/// windows of several sizes; the sum over the beams bounds the likelihood of every pose of the cell.
+///
+/// The maxima are sorted by their column and row modulo the side of a square: the ends of one beam
+/// seen from a row of squares are then neighbours in memory, and are added many at a time.
 #[derive(Debug, Clone)]
 pub(super) struct BoundMaps {
     /// Windows reach so many cells beyond the one in their middle, in ascending order.
@@ -170,7 +272,7 @@ impl BoundMaps {
         let reach = (half + moved + ROUNDING).ceil() as usize;
         let size = self.reaches.partition_point(|known| *known < reach);
         let Some(map) = self.maps.get(size) else {
-            // Too far away to be told anything of.
+            // Beyond the largest window: no bound but the highest code.
             sums.iter_mut().for_each(|sum| *sum += 255);
             return;
         };
@@ -211,111 +313,4 @@ fn overlap(start: isize, length: usize, count: usize) -> std::ops::Range<usize> 
     let clip = |end: isize| end.clamp(0, count as isize) as usize;
     let first = clip(-start);
     first..clip(length as isize - start).max(first)
-}
-
-// The codes of a map as a picture, the maxima in windows of it, and its parts.
-
-/// Codes row by row, with a margin that stands for what lies off the map.
-#[derive(Debug, Clone)]
-pub(super) struct Picture {
-    width: usize,
-    codes: Vec<u8>,
-}
-
-/// A picture sorted by column and row modulo the side of a square: each part holds every `side`-th
-/// column of every `side`-th row.
-#[derive(Debug, Clone)]
-pub(super) struct Phases {
-    codes: Vec<u8>,
-    side: usize,
-    /// Columns and rows of each part.
-    part: [usize; 2],
-}
-
-impl Picture {
-    /// The codes of a field with a margin of so many cells.
-    pub(super) fn padded(field: &LikelihoodField, margin: usize) -> Self {
-        let (width, height) = (field.frame().width(), field.frame().height());
-        let pitch = width + 2 * margin;
-        let mut codes = vec![field.code_off_map(); pitch * (height + 2 * margin)];
-        let rows = codes.chunks_exact_mut(pitch).skip(margin);
-        for (padded, row) in rows.zip(field.cell_codes().chunks_exact(width)) {
-            padded[margin..margin + width].copy_from_slice(row);
-        }
-        Picture { width: pitch, codes }
-    }
-
-    /// Columns, margin included.
-    pub(super) fn width(&self) -> usize {
-        self.width
-    }
-
-    /// The codes row by row.
-    pub(super) fn codes(&self) -> &[u8] {
-        &self.codes
-    }
-
-    /// The highest code in the window that reaches so many cells to all sides of each cell, at most
-    /// as many as the margin is wide.
-    ///
-    /// Rows are taken as one long line: what a window sees of the row before or after it is margin,
-    /// as what it would see beyond the edge is.
-    pub(super) fn highest(&self, reach: usize) -> Picture {
-        let across = highest_of_line(&self.codes, reach, 1);
-        Picture { width: self.width, codes: highest_of_line(&across, reach, self.width) }
-    }
-}
-
-/// The highest value within `reach` steps of each place, by windows that double in length.
-fn highest_of_line(line: &[u8], reach: usize, step: usize) -> Vec<u8> {
-    // `ahead` holds the highest of `covered` values from each place on; two of them side by side
-    // make one that covers twice as many.
-    let (mut ahead, mut covered) = (line.to_vec(), 1);
-    while 2 * covered <= 2 * reach + 1 {
-        let mut twice = ahead.clone();
-        take_higher(&mut twice, ahead.get(covered * step..).unwrap_or_default());
-        ahead = twice;
-        covered *= 2;
-    }
-    // One window from the first place within reach on, and one up to the last.
-    let mut highest = line.to_vec();
-    for back in [reach, covered - reach - 1] {
-        take_higher(highest.get_mut(back * step..).unwrap_or_default(), &ahead);
-    }
-    highest
-}
-
-fn take_higher(values: &mut [u8], others: &[u8]) {
-    values.iter_mut().zip(others).for_each(|(value, other)| *value = (*value).max(*other));
-}
-
-impl Phases {
-    pub(super) fn of(picture: &Picture, side: usize) -> Self {
-        let height = picture.codes.len() / picture.width;
-        let part = [picture.width.div_ceil(side), height.div_ceil(side)];
-        let last = [picture.width - 1, height - 1];
-        let mut codes = Vec::with_capacity(part[0] * part[1] * side * side);
-        // What the last squares have beyond the picture counts as its edge, which is margin.
-        for phase in 0..side * side {
-            let (phase_x, phase_y) = (phase % side, phase / side);
-            for row in (0..part[1]).map(|row| (row * side + phase_y).min(last[1])) {
-                let row = &picture.codes[row * picture.width..(row + 1) * picture.width];
-                let column = |column: usize| (column * side + phase_x).min(last[0]);
-                codes.extend((0..part[0]).map(|k| row[column(k)]));
-            }
-        }
-        Phases { codes, side, part }
-    }
-
-    /// Columns and rows of each part.
-    pub(super) fn part_size(&self) -> [usize; 2] {
-        self.part
-    }
-
-    /// The part of these columns and rows, row by row.
-    pub(super) fn part(&self, phase_x: usize, phase_y: usize) -> &[u8] {
-        let length = self.part[0] * self.part[1];
-        let first = (phase_y * self.side + phase_x) * length;
-        self.codes.get(first..first + length).unwrap_or_default()
-    }
 }

@@ -1,8 +1,8 @@
 //! Markov localization of a robot with a laser: a grid over (x, y, heading) (K1).
 //!
 //! The free part of a map is divided into squares and the full turn into sectors; each pair of them
-//! is a cell with a probability. A motion shifts each layer of one heading by the way that a robot
-//! with this heading has driven, and blurs it by what odometry may be off by. A scan multiplies
+//! is a cell with a probability. A motion shifts each layer of one heading by the displacement of a
+//! robot with this heading, and blurs it by the errors of the odometry. A scan multiplies
 //! each cell by how likely it is there: P(x | s) = alpha P(s | x) P(x) (Burgard, Fox, Hennig and
 //! Schmidt, "Estimating the absolute position of a mobile robot using position probability grids",
 //! 1996; Fox, Burgard and Thrun, "Markov localization for mobile robots in dynamic environments",
@@ -12,20 +12,21 @@
 //! the free map cells of the square and several headings of the sector, each a product of lookups
 //! in the [likelihood field](loc_maps::likelihood_field). Two things keep that cheap:
 //!
-//! - **Bounds.** For each cell it is first asked how likely the scan can be at best in any of its
-//!   poses, from maxima of the field that are computed once. Cells which even so have together no
-//!   more than the share `negligible` of the result are passed over. What the result is off by is
-//!   at most that, and [`GridReport::passed_over`] tells it.
+//! - **Bounds.** For each cell an upper bound of the likelihood of the scan in any of its poses is computed
+//!   first, from maxima of the field that are computed once. Cells which even so have together no
+//!   more than the share `negligible` of the result are passed over. The error of the result is
+//!   at most that; it is reported as [`GridReport::passed_over`].
 //! - **A fine grid** of 0.04 m and half a degree, which follows the most likely place (Burgard,
 //!   Derr, Fox and Cremers, "Integrating global position estimation and position tracking for
 //!   mobile robots: the dynamic Markov localization approach", 1998). Both grids share one
 //!   probability of 1: what is near the most likely place is kept in the fine grid, all else in the
 //!   coarse one.
 //!
-//! A robot that was carried off is found again because no place is ever ruled out: with each motion
-//! the share `kidnap_rate` is spread evenly over the map (K1). A scan that does not fit where the
-//! robot was, but fits elsewhere, moves the belief there at once. Where odometry has failed (slip,
-//! a push), the coarse grid catches the robot: a share of each motion is as uncertain as it is long.
+//! A kidnapped robot is relocalized because no place is ever ruled out: with each motion the share
+//! `kidnap_rate` is spread evenly over the map (K1). A scan that does not fit where the
+//! robot was, but fits elsewhere, moves the belief there in one update. Where odometry has failed (slip,
+//! a push), the coarse grid still covers the robot: a share of each motion has a standard deviation as large as
+//! its length.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -84,8 +85,8 @@ pub struct GridLocalizer {
     sensor: Sensor,
     belief: Belief,
     path: Option<DrivenPath>,
-    /// Whether a scan was taken in since the start.
-    has_seen: bool,
+    /// Whether a scan was used since the start.
+    has_scan: bool,
     /// The most likely place at the last update.
     found: Found,
     /// Whether the last input changed the belief.
@@ -94,7 +95,7 @@ pub struct GridLocalizer {
 
 /// The most likely place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Found {
+struct BestPose {
     share: f64,
     gaussian: Gaussian<3>,
 }
@@ -117,7 +118,7 @@ pub struct GridReport {
     pub log_evidence: f64,
     /// How many cells of the grid over the map were rated.
     pub rated: usize,
-    /// The most that all the others can have of the belief.
+    /// Upper bound of the probability of all other cells together.
     pub passed_over: f64,
 }
 
@@ -158,20 +159,20 @@ impl GridLocalizer {
         Ok(())
     }
 
-    /// Nobody knows where the robot is.
+    /// Starts anew with a uniform belief: the robot may be anywhere.
     pub fn start_anywhere(&mut self) {
         self.belief.forget();
         self.restart();
     }
 
     fn restart(&mut self) {
-        self.look();
-        self.has_seen = false;
+        self.update_best();
+        self.has_scan = false;
         self.path = self.path.map(|path| DrivenPath::starting_at(path.end()));
     }
 
-    /// Notes where the odometry is, between two scans: the noise of a way depends on how long it
-    /// was, which its ends alone do not tell.
+    /// Adds a pose of the odometry between two scans: the noise of a motion depends on the length of its
+    /// path, which its ends alone do not determine.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for a pose that is not finite, which is not noted.
@@ -183,8 +184,8 @@ impl GridLocalizer {
         Ok(())
     }
 
-    /// Takes in the odometry's pose and what the laser, which sits at `mounting` on the robot
-    /// (`base_from_laser`), measured there. The first scan after a start counts in any case, later
+    /// Updates with the pose of the odometry and the scan of a laser at `mounting` on the robot
+    /// (`base_from_laser`), taken there. The first scan after a start counts in any case, later
     /// ones when the robot has moved enough.
     ///
     /// # Errors
@@ -201,7 +202,7 @@ impl GridLocalizer {
         self.odometry(odometry)?;
         let Some(path) = self.path else { return Ok(GridUpdate::StoodStill) };
         let step = path.step();
-        if self.has_seen
+        if self.has_scan
             && f64::hypot(step.x, step.y) < self.settings.update_distance
             && step.theta.abs() < self.settings.update_turn
         {
@@ -210,7 +211,7 @@ impl GridLocalizer {
         let GridLocalizer { settings, space, sensor, belief, .. } = self;
         belief.predict(&path, space, settings)?;
         self.path = Some(DrivenPath::starting_at(path.end()));
-        self.has_seen = true;
+        self.has_scan = true;
         let mut update = GridUpdate::Blind;
         if let Some(scan) = Scan::new(scan, mounting, &sensor.field, space, settings) {
             let correction = belief.correct(&scan, sensor, space, settings.negligible);
@@ -221,21 +222,21 @@ impl GridLocalizer {
                 passed_over: correction.passed_over,
             });
         }
-        self.look();
+        self.update_best();
         Ok(update)
     }
 
     /// Finds the most likely place: that of the fine grid, where there is one.
-    fn look(&mut self) {
+    fn update_best(&mut self) {
         let Belief { window, stack, anywhere, .. } = &self.belief;
         let in_window = window.as_ref().and_then(Window::gaussian);
         let peak = Peak::of(stack, &self.space, &self.settings.fine);
-        self.found = match (in_window, peak) {
-            (Some(gaussian), _) => Found { share: self.belief.in_window(), gaussian },
+        self.best = match (in_window, peak) {
+            (Some(gaussian), _) => BestPose { share: self.belief.in_window(), gaussian },
             (None, Some(Peak { share, gaussian, .. })) if share > *anywhere => {
-                Found { share, gaussian }
+                BestPose { share, gaussian }
             }
-            _ => Found { share: 0.0, gaussian: self.mean() },
+            _ => BestPose { share: 0.0, gaussian: self.mean() },
         };
     }
 
@@ -250,7 +251,7 @@ impl GridLocalizer {
     /// The probability of the place that [`belief`](GridLocalizer::belief) describes; 0 for a
     /// robot that may be anywhere.
     pub fn certainty(&self) -> f64 {
-        self.found.share
+        self.best.share
     }
 
     /// The probability of a robot that may be anywhere, evenly: what all cells have that are not
@@ -295,7 +296,7 @@ impl GridLocalizer {
         coarse().chain(fine()).for_each(|(pose, p)| sums.add(pose, p));
         everywhere().for_each(|(place, p)| sums.add_any_heading(place, p));
         // The belief adds up to 1, so there is something.
-        let Some(mut spread) = sums.spread() else { return self.found.gaussian };
+        let Some(mut spread) = sums.spread() else { return self.best.gaussian };
         coarse().chain(fine()).for_each(|(pose, p)| spread.add(pose, p));
         everywhere().for_each(|(place, p)| spread.add_any_heading(place, p));
         spread.gaussian(space.squares().resolution(), space.heading_step())

@@ -22,7 +22,7 @@ pub struct GridSettings {
     /// How likely a beam's end is, by its distance from the nearest obstacle. `sigma_hit` is at
     /// least the side of a map cell.
     pub field: LikelihoodFieldSettings,
-    /// Most beams of a scan that are used.
+    /// Maximum number of beams of a scan that are used.
     pub beams: usize,
     /// As how many independent beams a scan counts, if it has more: its beams see the same walls,
     /// with the same errors of the map.
@@ -31,7 +31,7 @@ pub struct GridSettings {
     pub min_range: f64,
     /// Beams longer than this are not used \[m\].
     pub max_range: f64,
-    /// Probability that the robot is carried off, or lost, between two updates: the share of a
+    /// Probability that the robot is kidnapped, or delocalized, between two updates: the share of a
     /// uniform distribution that is mixed in at each of them.
     pub kidnap_rate: f64,
     /// Cells are passed over as long as all of them together have at most this share in the result.

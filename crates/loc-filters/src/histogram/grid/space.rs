@@ -1,4 +1,4 @@
-//! The poses that a belief tells apart: squares of the map, and sectors of heading.
+//! The cells of a belief: squares of the map, and sectors of heading.
 
 use super::settings::GridSettings;
 use super::stack::Size;
@@ -9,7 +9,7 @@ use loc_maps::grid::{Cell, GridFrame, Occupancy};
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
-/// The most poses that a grid tells apart; a belief takes 16 bytes for each.
+/// Maximum number of cells of a grid; a belief takes 16 bytes for each.
 pub(super) const MAX_POSES: usize = 1 << 26;
 
 /// Squares of whole map cells over the free part of a map, and evenly spaced headings.

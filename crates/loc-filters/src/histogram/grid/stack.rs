@@ -114,7 +114,7 @@ impl Stack {
         })
     }
 
-    /// Changes each probability; `change` is told heading, place in the layer and probability.
+    /// Changes each probability; `change` gets heading, place in the layer and probability.
     pub(super) fn change(&mut self, mut change: impl FnMut(usize, usize, f64) -> f64) {
         let Size { columns: width, .. } = self.size;
         let length = self.size.layer();
@@ -237,8 +237,6 @@ fn reached(from: &Range<usize>, kernel: &Kernel, count: usize) -> Range<usize> {
     let start = clip(from.start as isize + kernel.first());
     start..clip(from.end as isize + last).max(start)
 }
-
-// Mean and covariance of weighted poses.
 
 /// Variance of a heading that may be anything, about whatever mean \[rad^2\].
 const ANY_HEADING: f64 = PI * PI / 3.0;

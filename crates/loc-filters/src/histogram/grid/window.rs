@@ -196,8 +196,6 @@ fn reach(settings: &FineSettings) -> [usize; 2] {
         .map(|cells| cells.round().clamp(1.0, 1e6) as usize)
 }
 
-// What a driven path does to a stack of positions: shift each layer, blur it, turn.
-
 /// Errors of a usual step beyond so many standard deviations are left out ..
 const USUAL_TAIL: f64 = 4.0;
 

@@ -22,9 +22,9 @@ use window::{Carried, HEADING, MotionSegment, Track, Travelled, Window, pose_of}
 
 /// Variance of a heading of which nothing is known \[rad^2\].
 const NO_HEADING: f64 = PI * PI / 3.0;
-/// Least variance of a start \[m^2, rad^2\]: 1 mm, 1 mrad.
+/// Minimum variance of a start \[m^2, rad^2\]: 1 mm, 1 mrad.
 const CERTAIN: f64 = 1e-6;
-/// Headings from which a pose is sought that nobody knows.
+/// Number of initial headings of a search without a known pose.
 const HEADINGS: usize = 8;
 /// A cost per distance above this makes the whole map be searched again.
 const LOST: f64 = 9.0;
@@ -33,10 +33,11 @@ const FITS: f64 = 3.0;
 
 /// Lateration over a sliding window of the last distances.
 ///
-/// A robot seldom hears all landmarks at once. Odometry says where each of the last distances was
-/// measured as seen from now; the pose that fits all of them best is the answer. Older ones count
-/// less, as the odometry since then may be off. Nothing older than the window is remembered, except
-/// that the heading is kept as long as odometry carries it on better than the window tells it.
+/// A robot seldom measures the distances to all landmarks at one time. Odometry gives the place of each
+/// of the last distances relative to the current pose; the estimate is the pose that fits all of them
+/// best. Older ones have a larger variance, as the odometry since then adds its own. Nothing older
+/// than the window is stored, except that the heading is kept as long as odometry predicts it with a
+/// smaller variance than the window determines it.
 ///
 /// ```
 /// use loc_core::Twist2;
@@ -69,7 +70,7 @@ pub struct SlidingLateration {
     settings: SlidingSettings,
     track: Track,
     window: VecDeque<BufferedRange>,
-    fix: Option<Placed>,
+    fix: Option<StampedFix>,
     /// What was known at the start; it counts until the window is full.
     start: Option<(f64, Gaussian<3>)>,
 }
@@ -84,14 +85,14 @@ struct BufferedRange {
 
 /// A pose with its time and the bias beside it.
 #[derive(Debug, Clone, Copy)]
-struct Placed {
+struct StampedFix {
     stamp: f64,
     belief: Gaussian<3>,
     bias: RangeBias,
 }
 
 impl SlidingLateration {
-    /// Lateration that knows nothing of the pose at `stamp` \[s\].
+    /// Lateration without a known pose at `stamp` \[s\].
     ///
     /// # Errors
     /// Those of [`SlidingSettings::check`], and for a stamp that is not finite.
@@ -116,7 +117,7 @@ impl SlidingLateration {
         })
     }
 
-    /// Tells it the pose at the start, as a belief over (x, y, theta).
+    /// Sets the pose at the start, as a belief over (x, y, theta).
     ///
     /// # Errors
     /// Those of [`Gaussian::new`].
@@ -124,7 +125,7 @@ impl SlidingLateration {
         let belief = Gaussian::new(belief.mean, belief.covariance)?;
         let stamp = self.track.start();
         self.start = Some((stamp, belief));
-        self.fix = Some(Placed { stamp, belief, bias: RangeBias::NONE });
+        self.fix = Some(StampedFix { stamp, belief, bias: RangeBias::NONE });
         Ok(self)
     }
 
@@ -183,7 +184,7 @@ impl SlidingLateration {
         });
         let outcomes = outcomes.collect();
         if let Some((_, found)) = &solved {
-            self.settle(now, found);
+            self.set_fix(now, found);
         }
         Ok(outcomes)
     }
@@ -313,14 +314,14 @@ impl SlidingLateration {
     }
 
     /// Keeps a minimum as the fix.
-    fn settle(&mut self, stamp: f64, found: &Minimum) {
+    fn set_fix(&mut self, stamp: f64, found: &Minimum) {
         let mut belief = pose_of(found);
         if !self.settings.odometry {
             belief.mean.z = self.start.map_or(0.0, |(_, start)| start.mean.z);
             belief.covariance[(HEADING, HEADING)] = NO_HEADING;
         }
         let bias = RangeBias { scale: found.at[SCALE], offset: found.at[OFFSET] };
-        self.fix = Some(Placed { stamp, belief, bias });
+        self.fix = Some(StampedFix { stamp, belief, bias });
         self.forget();
     }
 }
@@ -369,9 +370,7 @@ fn turn(k: usize, count: usize) -> f64 {
     TAU * k as f64 / count as f64
 }
 
-// What sliding lateration can be told.
-
-/// All that sliding lateration can be told.
+/// Settings of sliding lateration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]

@@ -103,11 +103,11 @@ pub struct SlamSettings {
     pub common_time: f64,
     /// The camera's pose on the robot, `base_from_camera`.
     pub mounting: Pose2,
-    /// Whether landmarks can be told apart by their numbers.
+    /// Whether the association of observations is known.
     pub identities: Identities,
     /// Share of right observations of a landmark that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
-    /// How landmarks without numbers are told apart.
+    /// The association of observations without known numbers.
     pub association: AssociationSettings,
     /// Where the models are linearised.
     pub jacobians: Jacobians,

@@ -172,8 +172,8 @@ impl<const R: usize> LargeState<R> {
         Err(self.lost("whole covariance, with the diagonal", self.step, &diagonal))
     }
 
-    /// Holds a residual against its covariance. The noise of a sensor is positive, so that a
-    /// covariance which is not has lost it in the state.
+    /// Tests a residual against its covariance. The noise of a sensor is positive, so that a covariance
+    /// that is not positive definite is an error of the state.
     pub(super) fn innovation<const M: usize>(
         &self,
         residual: SVector<f64, M>,
