@@ -58,8 +58,8 @@ pub struct FusedLocalizer<F: NonlinearFilter<STATES> = ExtendedKalmanFilter<STAT
     gate: Gate,
     map: Arc<LandmarkMap>,
     stamp: f64,
-    wheels: Pulse,
-    inertial: Pulse,
+    wheels: SensorTiming,
+    inertial: SensorTiming,
     acceleration: f64,
     sideways: f64,
     /// What the velocity has pending_walk since it was measured last.
@@ -442,14 +442,14 @@ const LONGEST_PERIOD: f64 = 1.0;
 
 /// A sensor that measures again and again.
 #[derive(Debug, Clone, Copy)]
-struct Pulse {
+struct SensorTiming {
     last: Option<f64>,
     /// When its last measurement ceases to hold \[s\].
     until: f64,
 }
 
-impl Pulse {
-    const SILENT: Pulse = Pulse { last: None, until: f64::NEG_INFINITY };
+impl SensorTiming {
+    const SILENT: SensorTiming = SensorTiming { last: None, until: f64::NEG_INFINITY };
 
     /// A measurement at `stamp` \[s\]; the answer is the time since the last one.
     fn beat(&mut self, stamp: f64) -> f64 {

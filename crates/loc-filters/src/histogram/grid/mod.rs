@@ -88,7 +88,7 @@ pub struct GridLocalizer {
     /// Whether a scan was used since the start.
     has_scan: bool,
     /// The most likely place at the last update.
-    found: Found,
+    best: BestPose,
     /// Whether the last input changed the belief.
     has_changed: bool,
 }
@@ -135,11 +135,11 @@ impl GridLocalizer {
         let sensor = Sensor::new(map, &space, &settings)?;
         let belief = Belief::anywhere(&space);
         let gaussian = Gaussian { mean: Vector3::zeros(), covariance: Matrix3::identity() };
-        let found = Found { share: 0.0, gaussian };
-        let (path, has_seen, has_changed) = (None, false, true);
+        let best = BestPose { share: 0.0, gaussian };
+        let (path, has_scan, has_changed) = (None, false, true);
         let mut localizer =
-            GridLocalizer { settings, space, sensor, belief, path, has_seen, found, has_changed };
-        localizer.look();
+            GridLocalizer { settings, space, sensor, belief, path, has_scan, best, has_changed };
+        localizer.update_best();
         Ok(localizer)
     }
 
@@ -244,7 +244,7 @@ impl GridLocalizer {
     /// fine grid, where there is one, else of the surroundings of the most likely cell, carried along
     /// by the way since the last update. Of a robot that may be anywhere, those of the whole belief.
     pub fn belief(&self) -> Gaussian<3> {
-        let Found { gaussian, .. } = self.found;
+        let BestPose { gaussian, .. } = self.best;
         self.path.map_or(gaussian, |path| self.settings.motion.belief_after(&path, &gaussian))
     }
 
