@@ -1,4 +1,4 @@
-//! The landmark EKF on the stamps of real sensors.
+//! The landmark filter on stamped inputs, in order or late, and its smoother.
 
 use super::{LandmarkFilter, LandmarkSettings, Outcome};
 use crate::delayed::{DelayedFilter, Step};

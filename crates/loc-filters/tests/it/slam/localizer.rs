@@ -8,7 +8,7 @@ use loc_sensors::world::Landmarks;
 
 /// Late observations end where punctual ones do, to the bit; beyond the horizon they are refused.
 #[test]
-fn late_sightings_end_where_punctual_ones_do() {
+fn late_observations_end_where_punctual_ones_do() {
     let world = Landmarks::from([(1, [4.0, 0.0]), (2, [0.0, 4.0]), (3, [-3.0, -3.0])]);
     let camera = LandmarkCamera::default();
     let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
