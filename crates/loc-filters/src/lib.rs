@@ -1,4 +1,20 @@
 #![doc = include_str!("../README.md")]
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`kalman`] | the linear Kalman filter in one and in n dimensions |
+//! | [`extended`], [`unscented`] | the extended and the unscented Kalman filter on a user's models |
+//! | [`nonlinear`] | the common trait of nonlinear filters |
+//! | [`innovation`] | residual, NIS and chi-square gate of a measurement |
+//! | [`association`] | data association: nearest neighbour, maximum likelihood, joint compatibility |
+//! | [`delayed`] | late and out-of-order inputs |
+//! | [`smoother`] | Rauch-Tung-Striebel smoothing of any of these filters |
+//! | [`landmark`] | localization with landmarks of known positions |
+//! | [`lateration`] | positions from ranges, once or over a sliding window |
+//! | [`line_matching`] | localization with the walls of a line map |
+//! | [`fusion`] | wheels, inertial unit, compass, satellites and landmarks in one filter |
+//! | [`histogram`] | Markov localization: states, line, topological map, grid of poses |
+//! | [`slam`] | SLAM with Kalman filters: linear and EKF |
 
 pub mod association;
 pub mod dead_reckoning;

@@ -1,4 +1,5 @@
-//! The pairs that fit on their own.
+//! The candidate pairs of observations and landmarks, each gated on its own, and the greedy rules that
+//! choose among them.
 
 use super::{PairInnovation, Pairing};
 use crate::innovation::finite;

@@ -79,7 +79,7 @@ pub trait Pairing<const M: usize> {
     /// here: where the camera sees all around, one over what it sees. A pair must then be
     /// likelier than that by [`AssociationSettings::min_ratio`]. 0 where everything that can be
     /// seen is known.
-    fn elsewhere(&self, _sighting: usize) -> f64 {
+    fn elsewhere(&self, _observation: usize) -> f64 {
         0.0
     }
 

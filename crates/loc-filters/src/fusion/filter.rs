@@ -1,4 +1,5 @@
-//! The filter at the stamp of its last input, with what still holds from inputs before.
+//! The fused filter at the stamp of its last input, and the algorithm of an input: predict to its stamp,
+//! then correct with it. Measurements of the velocity hold until the next one is due.
 
 use super::FusionSettings;
 use super::models::{

@@ -1,4 +1,4 @@
-//! What each sensor measures of the states.
+//! The models of the fused filter: what each sensor measures of the states, and how the states move.
 
 use super::FusionSettings;
 use super::state::{

@@ -1,4 +1,4 @@
-//! What the fused filter believes: the pose, how it moves, and how wrong each sensor is.
+//! The states of the fused filter: the pose, its velocity, and the slowly varying errors of the sensors.
 
 use super::FusionSettings;
 use crate::Result;

@@ -1,5 +1,5 @@
-//! The two formulas that every Kalman filter shares, in a form that keeps covariances symmetric
-//! and positive.
+//! The formulas that all Kalman filters share, in a form that keeps covariances symmetric and positive,
+//! and the products of small matrices that they consist of.
 
 use crate::Result;
 use crate::innovation::{Gate, Innovation};

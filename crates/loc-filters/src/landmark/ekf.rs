@@ -1,4 +1,4 @@
-//! The landmark EKF, as the lecture page has it (H2).
+//! The landmark filter (H2), with its motion and measurement models and the outcome of an observation.
 
 use super::LandmarkSettings;
 use crate::extended::{LinearizedMotion, MeasurementModel, MotionModel};

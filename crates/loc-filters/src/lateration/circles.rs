@@ -1,4 +1,4 @@
-//! Two circles in the plane, in closed form (D1, D4).
+//! Exact intersections: two circles in closed form (D1, D4), and Newton's method (D1, D3).
 
 use super::Range;
 use crate::{Error, Result};

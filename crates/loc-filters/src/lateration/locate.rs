@@ -1,4 +1,7 @@
-//! Where the robot is: D1 to D4 in one call.
+//! The position from any number of ranges: D1 to D4 in one call.
+//!
+//! Closed forms give start positions; from each a minimum of the cost is searched. The best minimum is
+//! the answer, its rivals and residuals decide on the cautions.
 
 use super::minimize::{Minimum, OFFSET, Problem, Row, SCALE, Unknowns, minimize};
 use super::{
@@ -144,10 +147,10 @@ impl<'a, const D: usize> RangeProblem<'a, D> {
 
     fn row(&self, range: &Range<D>, at: &Unknowns) -> Row {
         let bias = RangeBias { scale: at[SCALE], offset: at[OFFSET] };
-        let offset = SVector::<f64, D>::from_fn(|k, _| at[k] - range.landmark[k]);
-        let distance = offset.norm();
+        let from_landmark = SVector::<f64, D>::from_fn(|k, _| at[k] - range.landmark[k]);
+        let distance = from_landmark.norm();
         // At a landmark the distance has no direction and says nothing to first order.
-        let direction = offset.try_normalize(0.0).unwrap_or_else(SVector::zeros);
+        let direction = from_landmark.try_normalize(0.0).unwrap_or_else(SVector::zeros);
         let loss = self.settings.loss;
         let mut gradient = Unknowns::zeros();
         let expected = bias.reported(distance);

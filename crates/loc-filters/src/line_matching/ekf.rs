@@ -1,4 +1,4 @@
-//! The filter: odometry, then the lines of a scan (H4).
+//! The line filter (H4): prediction by odometry, correction by the lines of a scan, and their result.
 
 use super::model::{
     OdometryStep, OfPose, STATES, pose_of, predicted_lines, set_pose, with_odometry,
@@ -56,7 +56,7 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
     ) -> Result<Self> {
         let map = map.into();
         if map.is_empty() {
-            let expected = "a map with at min_sigmas one line";
+            let expected = "a map with at least one line";
             return Err(loc_core::Error::Length { what: "line map", expected, found: 0 }.into());
         }
         let gate = settings.gate()?;
@@ -136,13 +136,13 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
     /// [`crate::Error::NotFinite`] for the pose.
     pub fn odometry(&mut self, pose: Pose2) -> Result<()> {
         crate::innovation::finite("pose of the odometry", &pose.to_vector())?;
-        let path = self.path.get_or_insert(DrivenPath::starting_at(pose));
-        let mut path = DrivenPath::starting_at(path.end());
+        let since_fit = self.path.get_or_insert(DrivenPath::starting_at(pose));
+        let mut path = DrivenPath::starting_at(since_fit.end());
         path.extend(pose);
         let variances = self.settings.motion.variances(&path);
         let wander = self.settings.systematic.wander(path.length());
         self.filter.predict(&OdometryStep { path, variances, wander })?;
-        path.extend(pose);
+        since_fit.extend(pose);
         Ok(())
     }
 

@@ -1,4 +1,5 @@
-//! What a scanner measures of a line of the map: its distance, and the direction of its normal.
+//! The models of line matching: the measurement (r, alpha) of a line, the motion with its systematic
+//! errors, and the lines that a scanner should see.
 
 use super::LineMatchingSettings;
 use crate::Result;

@@ -1,4 +1,5 @@
-//! How well a line of a scan fits a line of the map.
+//! Data association of lines: how well a line of a scan fits a predicted one, and the most likely set of
+//! pairs.
 
 use super::{LineModel, PredictedLine};
 use crate::association::{PairInnovation, Pairing};

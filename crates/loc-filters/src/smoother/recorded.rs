@@ -1,4 +1,4 @@
-//! Filters that keep their past.
+//! Filters that record their past for smoothing.
 
 use super::{Link, Recordable, Smoother};
 use crate::delayed::{OdometryVelocity, Sequential, apply};

@@ -1,4 +1,4 @@
-//! The correction: each cell's probability times how likely the scan is there.
+//! The correction: the probability of each cell times the likelihood of the scan there.
 //!
 //! How likely a scan is in a cell is its mean over the poses of the cell: all the free map cells of
 //! the square and several headings. Most cells need not be rated: by their bounds they cannot have

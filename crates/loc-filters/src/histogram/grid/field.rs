@@ -1,4 +1,5 @@
-//! The likelihood field with a margin, for rating a whole square at once.
+//! The likelihood field of a map in the two forms that a grid needs: padded with a margin, to rate a whole
+//! square at once, and as maxima over windows, to bound the likelihood of a cell.
 
 use super::correct::Scan;
 use super::space::PoseSpace;

@@ -1,4 +1,4 @@
-//! Probabilities of poses: a picture of positions for each heading, one above the other.
+//! Probabilities of poses: a layer of positions for each heading; and the moments of weighted poses.
 
 use crate::Result;
 use crate::histogram::Kernel;

@@ -1,7 +1,7 @@
 //! The fine grid that follows the most likely place.
 //!
 //! It reaches some decimetres and degrees to all sides, and moves along with the odometry, so that
-//! its cells need not: only what odometry may be off by blurs them. What leaves it is not lost but
+//! its cells need not: only what odometry may be off by blurs them. What leaves it is
 //! handed back.
 
 use super::settings::FineSettings;

@@ -1,4 +1,4 @@
-//! Lateration of a robot that drives, one distance after the other.
+//! Lateration of a moving robot from ranges measured one after the other.
 
 mod window;
 

@@ -1,4 +1,5 @@
-//! Distances of the recent past as a sum to minimise over the pose now, scale and offset.
+//! The cost of a sliding window: past ranges, carried by odometry, as a sum to minimise over the current
+//! pose, scale and offset.
 
 use crate::lateration::locate::{bias_reach, bias_rows};
 use crate::lateration::minimize::{
@@ -79,9 +80,9 @@ impl Window {
             cos * range.antenna.x - sin * range.antenna.y,
             sin * range.antenna.x + cos * range.antenna.y,
         );
-        let offset = Vector2::new(at[0], at[1]) + arm - range.landmark.coords;
-        let distance = offset.norm();
-        let direction = offset.try_normalize(0.0).unwrap_or_default();
+        let from_landmark = Vector2::new(at[0], at[1]) + arm - range.landmark.coords;
+        let distance = from_landmark.norm();
+        let direction = from_landmark.try_normalize(0.0).unwrap_or_default();
         let by_heading = direction.y * arm.x - direction.x * arm.y;
         let gradient = Unknowns::from([
             bias.scale * direction.x,

@@ -1,4 +1,4 @@
-//! The correction of robot and map by any number of measured numbers at once.
+//! The correction of robot and map by any number of scalar measurements together, and its invariant form.
 
 use super::{LargeState, kernel};
 use crate::{Error, Result};

@@ -1,4 +1,4 @@
-//! The loops over all pairs of landmarks, for the widest vectors that the processor has.
+//! The loops over all pairs of landmarks, for the widest vectors of the processor.
 
 use pulp::{Arch, Simd, WithSimd};
 

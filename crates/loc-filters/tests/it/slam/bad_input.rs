@@ -42,7 +42,7 @@ fn refused_input_changes_nothing() {
 }
 
 #[test]
-fn sightings_that_cannot_be_used_have_a_reason() {
+fn observations_that_cannot_be_used_have_a_reason() {
     let map = MapSettings { max_landmarks: 2, ..Default::default() };
     let settings = SlamSettings { map, ..Default::default() };
     let mut slam = EkfSlam::new(certain(), settings).unwrap();
@@ -73,7 +73,7 @@ fn a_landmark_that_was_wrong_from_the_start_is_removed() {
 }
 
 #[test]
-fn a_hundred_thousand_sightings_in_one_step() {
+fn a_hundred_thousand_observations_in_one_step() {
     for identities in [Identities::Known, Identities::Unknown] {
         let settings = SlamSettings { identities, ..Default::default() };
         let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);

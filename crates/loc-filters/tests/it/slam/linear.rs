@@ -113,7 +113,7 @@ fn bad_input_is_refused_and_changes_nothing() {
 
 /// An observation that is good along one diagonal and bad along the other: the gain of the textbook.
 #[test]
-fn the_axes_of_a_sighting_may_be_turned() {
+fn the_axes_of_an_observation_may_be_turned() {
     let start = Gaussian::new(Vector2::zeros(), Matrix2::identity() * 0.04).unwrap();
     let mut slam = LinearSlam::new(start, LinearSlamSettings::default()).unwrap();
     let covariance = Matrix2::new(0.05, 0.03, 0.03, 0.04);

@@ -166,7 +166,7 @@ fn equals_the_textbook_on_full_matrices() {
 
 /// The innovations are those of the landmark EKF: one landmark, hand-computed.
 #[test]
-fn two_sightings_of_one_landmark_by_hand() {
+fn two_observations_of_one_landmark_by_hand() {
     let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
     let mut slam = EkfSlam::new(start, SlamSettings::default()).unwrap();
     let ahead = |range| LandmarkObservation {

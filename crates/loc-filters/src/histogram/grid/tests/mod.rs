@@ -1,8 +1,7 @@
-//! What cannot be seen from outside: each part against a plain computation of the same.
+//! Tests of private parts: each against a plain computation of the same.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
 
 mod correction;
-mod moving;
 mod parts;
 
 use super::correct::{Scan, Sensor};
