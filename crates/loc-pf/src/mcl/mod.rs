@@ -84,7 +84,7 @@ impl Mcl {
     /// A robot that may be anywhere in the map's free space; it draws from `rng`.
     ///
     /// # Errors
-    /// Settings out of range, [`crate::Error::NoFreeSpace`], [`crate::Error::Threads`].
+    /// Settings out of range, [`loc_maps::Error::NoFreeSpace`], [`crate::Error::Threads`].
     pub fn new(map: &OccupancyGrid, settings: MclSettings, rng: ChaCha8Rng) -> Result<Self> {
         settings.validate()?;
         let surroundings = Surroundings::new(map, &settings)?;

@@ -2,13 +2,13 @@
 
 use super::observation::{MountedScan, Observation};
 use super::{MclSettings, NoveltyFilter, SensorSettings, Weighting};
-use crate::free_space::FreeSpace;
-use crate::global::{GlobalSearch, SearchSettings};
+use crate::initial::FreeSpace;
 use crate::novelty::{BeliefSample, by_field};
 use crate::sensor::{BeamLikelihood, FieldLikelihood, SumOfCubes};
 use crate::{Particles, Result};
 use loc_core::Pose2;
 use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
+use loc_maps::{GlobalSearch, SearchSettings};
 use loc_maps::{LikelihoodField, OccupancyGrid, RayCaster};
 
 /// The map as the filter uses it; nothing of it changes.
@@ -110,7 +110,7 @@ fn search(map: &OccupancyGrid, field: &LikelihoodFieldSettings) -> Result<Global
         refine: false,
         ..SearchSettings::default()
     };
-    GlobalSearch::new(map, field, settings)
+    Ok(GlobalSearch::new(map, field, settings)?)
 }
 
 /// A field cannot be sharper than the map: a map of coarse cells is coarse in its walls as well.

@@ -8,7 +8,7 @@ use loc_core::sampling::box_muller;
 use loc_core::{Gaussian, Pose2};
 use loc_maps::likelihood_field::LikelihoodFieldSettings;
 use loc_maps::{LikelihoodField, OccupancyGrid, RayCaster};
-use loc_pf::free_space::FreeSpace;
+use loc_pf::initial::FreeSpace;
 use loc_pf::mcl::MountedScan;
 use loc_pf::novelty::{BeliefSample, DistanceFilter, EntropyFilter, Kept, by_casting, by_field};
 use loc_pf::sensor::beam::{BeamLikelihood, BeamModel, BeamModelSettings, telling_beams};

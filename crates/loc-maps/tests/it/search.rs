@@ -6,8 +6,8 @@ use loc_maps::grid::{Cell, GridFrame, Occupancy};
 use loc_maps::likelihood_field::{
     Endpoints, LikelihoodField, LikelihoodFieldSettings, OffMap, UnknownSpace,
 };
+use loc_maps::{GlobalSearch, SearchSettings};
 use loc_maps::{LikelihoodField as Field, OccupancyGrid};
-use loc_pf::{GlobalSearch, SearchSettings};
 use nalgebra::Point2;
 use rand::RngExt;
 use std::f64::consts::TAU;

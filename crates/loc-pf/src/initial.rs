@@ -1,11 +1,68 @@
-//! From candidates to a cloud.
+//! Initial particles: drawn from the free space of a map, or around the candidates of a global
+//! search ([`loc_maps::search`]).
 
-use super::Candidate;
 use crate::{Particles, Result};
 use loc_core::Pose2;
 use loc_core::error::{non_negative, positive};
 use loc_core::sampling::box_muller;
+use loc_maps::OccupancyGrid;
+use loc_maps::grid::{Cell, GridFrame, Occupancy};
+use loc_maps::search::Candidate;
 use rand::{Rng, RngExt};
+use std::f64::consts::PI;
+
+/// The free cells of a map, where a robot can be; to draw poses from.
+#[derive(Debug, Clone)]
+pub struct FreeSpace {
+    frame: GridFrame,
+    /// Row-major indices of the free cells, in order; 4 bytes a free cell.
+    cells: Vec<u32>,
+}
+
+impl FreeSpace {
+    /// The free cells of a map.
+    ///
+    /// # Errors
+    /// [`loc_maps::Error::NoFreeSpace`] where there are none.
+    pub fn new(map: &OccupancyGrid) -> Result<Self> {
+        let frame = *map.frame();
+        let values = map.values().iter().enumerate();
+        let free = values.filter(|&(_, &value)| Occupancy::of(value) == Occupancy::Free);
+        // A grid has at most 2^28 cells.
+        let cells: Vec<u32> = free.map(|(index, _)| index as u32).collect();
+        if cells.is_empty() {
+            let (width, height) = (frame.width(), frame.height());
+            return Err(loc_maps::Error::NoFreeSpace { width, height }.into());
+        }
+        Ok(FreeSpace { frame, cells })
+    }
+
+    /// Free area \[m^2\].
+    pub fn area(&self) -> f64 {
+        self.cells.len() as f64 * self.frame.resolution().powi(2)
+    }
+
+    /// A pose drawn evenly from the free area and all headings.
+    pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> Pose2 {
+        let index = self.cells[rng.random_range(0..self.cells.len())] as usize;
+        let cell = Cell::new(index % self.frame.width(), index / self.frame.width());
+        let [u, v]: [f64; 2] = [rng.random(), rng.random()];
+        let at = self.frame.to_map(cell.column as f64 + u, cell.row as f64 + v);
+        Pose2::new(at.x, at.y, PI * (2.0 * rng.random::<f64>() - 1.0))
+    }
+
+    /// Whether a pose lies within the map's rectangle, free or not.
+    pub fn is_on_map(&self, pose: Pose2) -> bool {
+        self.frame.cell_at(&pose.position()).is_some()
+    }
+
+    /// Whether a pose stands in a free cell.
+    pub fn contains(&self, pose: Pose2) -> bool {
+        let cell = self.frame.cell_at(&pose.position());
+        let index = cell.and_then(|cell| self.frame.index(cell));
+        index.is_some_and(|index| self.cells.binary_search(&(index as u32)).is_ok())
+    }
+}
 
 /// How particles are spread over the candidates of a search.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,18 +98,19 @@ impl SeedSettings {
     }
 }
 
-/// A cloud of `count` particles of equal weight about the candidates: each has a share in
+/// A particle set of `count` particles of equal weight about the candidates: each has a share in
 /// proportion to its likelihood to the power of `exponent`, exact but for one particle, and spreads
 /// it as a Gaussian.
 ///
 /// ```
 /// use loc_core::{Pose2, random::stream};
-/// use loc_pf::global::{Candidate, SeedSettings, seed_particles};
+/// use loc_maps::search::Candidate;
+/// use loc_pf::initial::{SeedSettings, seed_particles};
 /// let here = Candidate { pose: Pose2::new(5.0, 5.0, 0.0), log_likelihood: -20.0 };
 /// let there = Candidate { pose: Pose2::new(9.0, 5.0, 3.1), log_likelihood: -30.0 };
 /// let mut rng = stream(1, "filter");
-/// let cloud = seed_particles(&[here, there], 1000, &SeedSettings::default(), &mut rng)?;
-/// let at_first = cloud.poses().x.iter().filter(|x| **x < 7.0).count();
+/// let particles = seed_particles(&[here, there], 1000, &SeedSettings::default(), &mut rng)?;
+/// let at_first = particles.poses().x.iter().filter(|x| **x < 7.0).count();
 /// assert!(at_first.abs_diff(731) <= 1, "e : 1");
 /// # Ok::<(), loc_pf::Error>(())
 /// ```
@@ -73,7 +131,7 @@ pub fn seed_particles<R: Rng + ?Sized>(
     };
     let weight = |c: &Candidate| (settings.exponent * (c.log_likelihood - best)).exp();
     let total: f64 = candidates.iter().map(weight).sum();
-    // The spoke wheel: one draw decides all shares.
+    // Low-variance resampling: one draw decides all shares.
     let offset: f64 = rng.random();
     let (mut sum, mut drawn, mut poses) = (0.0, 0, Vec::with_capacity(count));
     for (number, candidate) in candidates.iter().enumerate() {

@@ -4,7 +4,7 @@ use loc_core::{Pose2, angle};
 use loc_maps::LikelihoodField;
 use loc_maps::grid::io;
 use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
-use loc_pf::{GlobalSearch, SearchSettings};
+use loc_maps::{GlobalSearch, SearchSettings};
 use std::path::{Path, PathBuf};
 
 /// A scan's ends and the reference pose of the laser.
@@ -71,7 +71,7 @@ fn intel_by_two_scans() {
 }
 
 /// All of the recording, for release builds:
-/// `cargo test --release -p loc-pf -- --ignored --nocapture intel`
+/// `cargo test --release -p loc-maps -- --ignored --nocapture intel`
 #[test]
 #[ignore = "a minute in a release build"]
 fn intel_by_one_two_and_three_scans() {
