@@ -11,7 +11,7 @@ use loc_core::Pose2;
 use loc_core::random::stream;
 use loc_maps::grid::{Cell, OccupancyGrid};
 use loc_maps::likelihood_field::{Endpoints, LikelihoodField, LikelihoodFieldSettings};
-use loc_pf::{GlobalSearch, SearchSettings};
+use loc_maps::{GlobalSearch, SearchSettings};
 use rand::RngExt;
 use std::hint::black_box;
 use std::path::Path;

@@ -10,7 +10,7 @@ use loc_core::{Gaussian, Pose2, gaussian::pose_belief};
 use loc_maps::DistanceMap;
 use loc_maps::grid::OccupancyGrid;
 use loc_maps::likelihood_field::{Endpoints, LikelihoodField, LikelihoodFieldSettings};
-use loc_pf::free_space::FreeSpace;
+use loc_pf::initial::FreeSpace;
 use loc_pf::sensor::{BeamSkip, FieldLikelihood, SumOfCubes};
 use loc_pf::{Particles, Workers};
 use nalgebra::Point2;

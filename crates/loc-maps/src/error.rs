@@ -116,6 +116,25 @@ pub enum Error {
         /// What stands there.
         found: String,
     },
+    /// The map has no free cells.
+    #[error("map of {width} x {height} cells: expected free cells, got none")]
+    NoFreeSpace {
+        /// Columns of the map.
+        width: usize,
+        /// Rows of the map.
+        height: usize,
+    },
+    /// A likelihood field was not made from the map that it came with.
+    #[error("likelihood field: expected one with size, resolution and origin of the map")]
+    OtherFrame,
+    /// The system started no threads.
+    #[error("{threads} threads: {reason}")]
+    Threads {
+        /// The number of threads wanted.
+        threads: usize,
+        /// The system's message.
+        reason: String,
+    },
 }
 
 /// Shorthand for results of this crate.

@@ -13,18 +13,7 @@ pub enum Error {
     /// From the filters that particles are made of.
     #[error(transparent)]
     Filter(#[from] loc_filters::Error),
-    /// The map has no place where a robot could be.
-    #[error("map of {width} x {height} cells: expected free cells, got none")]
-    NoFreeSpace {
-        /// Columns of the map.
-        width: usize,
-        /// Rows of the map.
-        height: usize,
-    },
-    /// A likelihood field was not made from the map that it came with.
-    #[error("likelihood field: expected one with size, resolution and origin of the map")]
-    OtherFrame,
-    /// An input belongs to a time so far back that the filter has forgotten it.
+    /// An input belongs to a time older than the history that the filter keeps.
     #[error(
         "{what} at {stamp} s: expected at most {horizon} s before {newest} s, the newest input"
     )]
@@ -35,10 +24,10 @@ pub enum Error {
         stamp: f64,
         /// Time of the newest input \[s\].
         newest: f64,
-        /// How far back the filter remembers \[s\].
+        /// How far back the filter keeps its history \[s\].
         horizon: f64,
     },
-    /// A start pose that is not on the map.
+    /// An initial pose that is not on the map.
     #[error("start pose: expected one on the map, got x = {x} m, y = {y} m")]
     OffMap {
         /// Where it is \[m\].
@@ -49,9 +38,9 @@ pub enum Error {
     /// The system started no threads.
     #[error("{threads} threads: {reason}")]
     Threads {
-        /// How many were asked for.
+        /// The number of threads wanted.
         threads: usize,
-        /// What the system said.
+        /// The system's message.
         reason: String,
     },
 }

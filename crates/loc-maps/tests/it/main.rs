@@ -17,6 +17,11 @@ mod point;
 mod raycast;
 #[cfg(feature = "map-server")]
 mod real_maps;
+mod search;
+mod search_input;
+#[cfg(feature = "map-server")]
+mod search_intel;
+mod search_places;
 mod topological;
 #[cfg(feature = "map-server")]
 mod wean;

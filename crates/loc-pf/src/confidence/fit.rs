@@ -1,6 +1,6 @@
 //! How well a scan fits a pose, compared with other poses.
 
-use crate::free_space::FreeSpace;
+use crate::initial::FreeSpace;
 use crate::mcl::MountedScan;
 use crate::{Particles, Poses, Workers};
 use loc_core::Pose2;
@@ -73,7 +73,7 @@ impl ScanRater {
     /// A rater for scans taken in a map.
     ///
     /// # Errors
-    /// [`crate::Error::NoFreeSpace`] for a map without free cells.
+    /// [`loc_maps::Error::NoFreeSpace`] for a map without free cells.
     pub fn new<R: Rng + ?Sized>(map: &OccupancyGrid, rng: &mut R) -> crate::Result<Self> {
         let free_space = FreeSpace::new(map)?;
         let draw = |_| free_space.draw(rng);

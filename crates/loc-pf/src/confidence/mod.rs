@@ -55,14 +55,14 @@
 //! ```
 
 mod fit;
-mod settings;
-mod tolerance;
 
 pub use fit::{ScanFit, ScanRater};
-pub use settings::LostSettings;
-pub use tolerance::Tolerance;
 
-use crate::Result;
+use crate::elementary::{exp, wrap};
+use crate::{Particles, Poses, Result};
+use loc_core::error::{finite, in_range, non_negative, positive};
+use loc_core::{Pose2, angle};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Keeps the probability that the belief is wrong, from update to update.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,4 +134,152 @@ impl LostMonitor {
 
 fn log_odds(probability: f64) -> f64 {
     (probability / (1.0 - probability)).ln().clamp(-SUREST, SUREST)
+}
+
+// What "lost" means, and the constants of the fit.
+
+/// Settings of a [`LostMonitor`](LostMonitor).
+///
+/// The constants after `tolerance` belong together: they are the fit of the test
+/// `lost::fit_the_constants` to drives through simulated offices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct LostSettings {
+    /// How far off the reported pose may be.
+    pub tolerance: Tolerance,
+    /// Share of the log odds that stays from one update to the next.
+    pub memory: f64,
+    /// Shift of the log odds by a scan that fits no better than at the best of the random poses,
+    /// with no beam blocked or near.
+    pub bias: f64,
+    /// How much a margin over the best of the random poses speaks against being lost.
+    pub margin_weight: f64,
+    /// How much blocked beams speak for it.
+    pub blocked_weight: f64,
+    /// How much beams that end near obstacles do.
+    pub near_weight: f64,
+    /// How much the belief's own spread counts beside the scans: 0 for not at all.
+    pub support_exponent: f64,
+}
+
+impl Default for LostSettings {
+    fn default() -> Self {
+        LostSettings {
+            tolerance: Tolerance::default(),
+            memory: 0.625,
+            bias: -2.478,
+            margin_weight: 2.544,
+            blocked_weight: 1.246,
+            near_weight: 0.4545,
+            support_exponent: 1.089,
+        }
+    }
+}
+
+/// The share of beams at which their weight begins to count by the logarithm: a beam of 50 may go
+/// astray anywhere.
+const STRAY: f64 = 0.02;
+
+impl LostSettings {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
+    pub fn validate(&self) -> Result<()> {
+        self.tolerance.validate()?;
+        let share = |memory: f64| (0.0..1.0).contains(&memory);
+        in_range("memory of the lost figure", "from 0 to below 1", self.memory, share)?;
+        finite("bias", self.bias)?;
+        non_negative("margin_weight", self.margin_weight)?;
+        non_negative("blocked_weight", self.blocked_weight)?;
+        non_negative("near_weight", self.near_weight)?;
+        non_negative("support_exponent", self.support_exponent)?;
+        Ok(())
+    }
+
+    /// By how much a scan shifts the log odds of a wrong belief, see [`crate::confidence`].
+    pub fn shift(&self, scan: &ScanFit<'_>) -> f64 {
+        let [blocked, near] = [scan.blocked, scan.near].map(|share| (share / STRAY).ln_1p());
+        self.bias - self.margin_weight * scan.margin()
+            + self.blocked_weight * blocked
+            + self.near_weight * near
+    }
+}
+
+// How far off a pose may be before it counts as lost.
+
+/// The largest error of a reported pose that is not yet called lost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct Tolerance {
+    /// Of the position \[m\].
+    pub distance: f64,
+    /// Of the heading \[rad\].
+    pub turn: f64,
+}
+
+impl Default for Tolerance {
+    /// 0.5 m and 15 degrees.
+    fn default() -> Self {
+        Tolerance { distance: 0.5, turn: 15_f64.to_radians() }
+    }
+}
+
+impl Tolerance {
+    /// Checks both numbers.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] naming the first that is not positive.
+    pub fn validate(&self) -> Result<()> {
+        positive("tolerance of the position [m]", self.distance)?;
+        positive("tolerance of the heading [rad]", self.turn)?;
+        Ok(())
+    }
+
+    /// Whether a pose is as close to the true one as this asks for.
+    pub fn holds(&self, reported: Pose2, truth: Pose2) -> bool {
+        let (x, y) = (reported.x - truth.x, reported.y - truth.y);
+        x * x + y * y <= self.distance * self.distance
+            && angle::difference(reported.theta, truth.theta).abs() <= self.turn
+    }
+
+    /// Share of the belief's weight within this tolerance of the reported pose: the probability
+    /// that the robot is not lost, as far as the cloud itself knows. The weights must be
+    /// normalised; 0 for a cloud without particles.
+    pub fn support(&self, particles: &Particles, reported: Pose2) -> f64 {
+        Arch::new().dispatch(Support { tolerance: *self, particles, reported })
+    }
+}
+
+/// Numbers added up side by side.
+const LANES: usize = 8;
+
+struct Support<'a> {
+    tolerance: Tolerance,
+    particles: &'a Particles,
+    reported: Pose2,
+}
+
+impl WithSimd for Support<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let Support { tolerance: Tolerance { distance, turn }, particles, reported } = self;
+        let Poses { x, y, theta } = particles.poses();
+        let mut sums = [0.0; LANES];
+        let chunks = x.chunks(LANES).zip(y.chunks(LANES)).zip(theta.chunks(LANES));
+        for (((x, y), theta), weights) in chunks.zip(particles.log_weights().chunks(LANES)) {
+            let poses = x.iter().zip(y).zip(theta).zip(weights);
+            for (sum, (((x, y), theta), weight)) in sums.iter_mut().zip(poses) {
+                let (dx, dy) = (x - reported.x, y - reported.y);
+                let near = (dx * dx + dy * dy <= distance * distance)
+                    & (wrap(theta - reported.theta).abs() <= turn);
+                *sum += if near { exp(*weight) } else { 0.0 };
+            }
+        }
+        sums.iter().sum::<f64>().min(1.0)
+    }
 }

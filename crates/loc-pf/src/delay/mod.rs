@@ -37,19 +37,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod fit;
 mod outline;
-mod settings;
-mod trace;
-
-pub use settings::DelaySettings;
 
 use crate::Result;
 use loc_core::Pose2;
+use loc_core::error::positive;
 use loc_sensors::laser::LaserScan;
-use outline::Outline;
+use nalgebra::{Matrix2, Vector2};
+use outline::{Outline, Trace};
 use std::collections::VecDeque;
-use trace::Trace;
 
 /// Gathers odometry and scans, in the order of their stamps each, and finds the delay between them.
 #[derive(Debug)]
@@ -167,6 +163,139 @@ impl DelayEstimator {
     /// The delay by what has come in so far; `None` while too few scans with a changing turn could
     /// be matched.
     pub fn estimate(&self) -> Option<DelayEstimate> {
-        fit::fit(&self.turns, &self.trace, self.settings.longest)
+        fit(&self.turns, &self.trace, self.settings.longest)
     }
+}
+
+// What a delay is looked for in.
+
+/// Settings of [`DelayEstimator`](DelayEstimator); the defaults suit robots that turn at
+/// walking pace and scanners of 5 Hz and more.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DelaySettings {
+    /// Longest delay, either way \[s\].
+    pub longest: f64,
+    /// Scans sooner after the one before are passed over \[s\].
+    pub shortest_step: f64,
+    /// Scans later after the one before are not matched with it \[s\].
+    pub longest_step: f64,
+    /// Least change of the rate of turn around a pair of scans that is worth matching them
+    /// \[rad/s\].
+    pub change_of_rate: f64,
+    /// Most points of a scan that are matched.
+    pub points: usize,
+    /// Most pairs of scans.
+    pub pairs: usize,
+}
+
+impl Default for DelaySettings {
+    fn default() -> Self {
+        DelaySettings {
+            longest: 0.5,
+            shortest_step: 0.08,
+            longest_step: 0.5,
+            change_of_rate: 0.1,
+            points: 180,
+            pairs: 400,
+        }
+    }
+}
+
+impl DelaySettings {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
+    pub fn validate(&self) -> Result<()> {
+        positive("longest delay [s]", self.longest)?;
+        positive("shortest step between scans [s]", self.shortest_step)?;
+        positive("longest step between scans [s]", self.longest_step)?;
+        positive("change of the rate of turn [rad/s]", self.change_of_rate)?;
+        positive("points of a scan", self.points as f64)?;
+        positive("pairs of scans", self.pairs as f64)?;
+        Ok(())
+    }
+}
+
+// The delay at which odometry and scans have turned alike.
+
+/// Fewest pairs of scans.
+const FEWEST: usize = 10;
+
+/// Steps of the search \[s\].
+const STEP: f64 = 0.01;
+
+/// How far a turn by two scans and one by odometry differ where the delay is right \[rad\].
+const NOISE: f64 = 0.005;
+
+/// The odometry's scale is believed within these.
+const SCALES: [f64; 2] = [0.7, 1.4];
+
+/// What stamps and interpolation leave of an uncertainty \[s\].
+const FLOOR: f64 = 0.002;
+
+fn fit(turns: &[Turn], trace: &Trace, longest: f64) -> Option<DelayEstimate> {
+    let covered = |turn: &&Turn| {
+        let turned = |delay: f64| trace.turn(turn.from - delay, turn.to - delay);
+        turned(longest).is_some() && turned(-longest).is_some()
+    };
+    let turns: Vec<Turn> = turns.iter().filter(covered).copied().collect();
+    if turns.len() < FEWEST {
+        return None;
+    }
+    let count = (2.0 * longest / STEP).round() as i32;
+    let delays = (0..=count).map(|k| -longest + f64::from(k) * STEP);
+    let rated = delays.filter_map(|delay| Some((delay, cost(&turns, trace, delay)?)));
+    let (coarse, _) = rated.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    refine(&turns, trace, coarse)
+}
+
+/// The robust cost of a delay, at the scale that suits it best.
+fn cost(turns: &[Turn], trace: &Trace, delay: f64) -> Option<f64> {
+    let odometry: Option<Vec<f64>> =
+        turns.iter().map(|turn| trace.turn(turn.from - delay, turn.to - delay)).collect();
+    let odometry = odometry?;
+    let both = || turns.iter().zip(&odometry);
+    let product: f64 = both().map(|(turn, odometry)| turn.angle * odometry).sum();
+    let square: f64 = odometry.iter().map(|odometry| odometry * odometry).sum();
+    let scale = if square > 0.0 { product / square } else { 1.0 };
+    let scale = scale.clamp(SCALES[0], SCALES[1]);
+    let errors = both().map(|(turn, odometry)| turn.angle - scale * odometry);
+    Some(errors.map(|error| (error / NOISE).powi(2).ln_1p()).sum())
+}
+
+/// Delay and scale by weighted least squares from the best of the search, with the variance that
+/// the errors themselves show.
+fn refine(turns: &[Turn], trace: &Trace, coarse: f64) -> Option<DelayEstimate> {
+    let mut state = Vector2::new(coarse, 1.0);
+    let (mut information, mut scatter) = (Matrix2::zeros(), Matrix2::zeros());
+    for _ in 0..20 {
+        let mut gradient = Vector2::zeros();
+        (information, scatter) = (Matrix2::zeros(), Matrix2::zeros());
+        for turn in turns {
+            let turned = |delay: f64| trace.turn(turn.from - delay, turn.to - delay);
+            let (delay, scale) = (state.x, state.y);
+            let Some(odometry) = turned(delay) else { continue };
+            let around = turned(delay + STEP).zip(turned(delay - STEP));
+            let Some((later, sooner)) = around else { continue };
+            let jacobian = Vector2::new(scale * (later - sooner) / (2.0 * STEP), odometry);
+            let error = turn.angle - scale * odometry;
+            let weight = 1.0 / (1.0 + (error / NOISE).powi(2));
+            information += weight * jacobian * jacobian.transpose();
+            scatter += (weight * error).powi(2) * jacobian * jacobian.transpose();
+            gradient += weight * error * jacobian;
+        }
+        let step = information.cholesky()?.solve(&gradient);
+        let bounded = step.x.clamp(-STEP, STEP);
+        state.x = (state.x + bounded).clamp(coarse - STEP, coarse + STEP);
+        state.y = (state.y + step.y).clamp(SCALES[0], SCALES[1]);
+        if step.x.abs() < 1e-6 {
+            break;
+        }
+    }
+    let inverse = information.try_inverse()?;
+    let variance = (inverse * scatter * inverse).m11;
+    let sigma = (variance + FLOOR * FLOOR).sqrt();
+    let (delay, scale, pairs) = (state.x, state.y, turns.len());
+    sigma.is_finite().then_some(DelayEstimate { delay, sigma, scale, pairs })
 }

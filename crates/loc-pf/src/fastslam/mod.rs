@@ -38,32 +38,30 @@
 //! # Ok::<(), loc_pf::Error>(())
 //! ```
 
-mod correct;
-mod estimate;
+mod landmark_map;
 mod localizer;
-mod look;
-mod map;
-mod mark;
-mod pairs;
+mod observation;
 mod particle;
 mod settings;
-mod shared;
-mod view;
 
 pub use localizer::FastSlamLocalizer;
 pub use settings::FastSlamSettings;
 
+use crate::log_weights::{Mass, divide};
 use crate::{Particles, Result, Workers};
+use loc_core::gaussian::check_covariance;
 use loc_core::motion::dead_reckon;
 use loc_core::random::ChaCha8Rng;
-use loc_core::{Gaussian, Twist2};
+use loc_core::{Gaussian, Pose2, Twist2, angle};
 use loc_filters::Gate;
-use loc_filters::association::Associator;
-use nalgebra::Vector3;
-use particle::Particle;
+use loc_filters::association::{AssociationSettings, Associator};
+use loc_filters::slam::{Identities, MapLandmark, SlamOutcome};
+use loc_sensors::landmark_camera::LandmarkObservation;
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use observation::{Place, View};
+use particle::{Knowledge, Particle, Report};
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
-use view::View;
 
 /// The variance of the heading \[rad^2\] up to which a drive without observations is taken for a
 /// normal distribution; beyond, the poses are drawn.
@@ -150,7 +148,7 @@ impl FastSlam {
             dead_reckon(&particle.belief, twist, dt, integration, &motion_noise)
         };
         let driven: Vec<Gaussian<3>> = self.particles.iter().map(drive).collect();
-        driven.iter().try_for_each(|belief| estimate::check(belief, step))?;
+        driven.iter().try_for_each(|belief| check(belief, step))?;
         self.step = step;
         for (particle, belief) in self.particles.iter_mut().zip(driven) {
             particle.belief = belief;
@@ -178,6 +176,222 @@ impl FastSlam {
         }
         cloud
     }
+
+    /// Corrects with all observations of one moment, any number of them, and says what became of each
+    /// in the eyes of the particle that they suit best.
+    ///
+    /// LandmarkObservations are taken in groups of [`AssociationSettings::GROUP`]; the poses are drawn with
+    /// the first group, and the others weigh them.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for an observation that is not finite or has a negative range:
+    /// none is then used. [`loc_filters::Error::LostPositivity`], with the step: the filter cannot
+    /// go on.
+    pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<SlamOutcome>> {
+        Ok(self.take_in(observations)?)
+    }
+
+    fn take_in(
+        &mut self,
+        observations: &[LandmarkObservation],
+    ) -> loc_filters::Result<Vec<SlamOutcome>> {
+        for observation in observations {
+            observation.sight.check()?;
+        }
+        if observations.is_empty() {
+            return Ok(Vec::new());
+        }
+        self.moment += 1;
+        self.step += 1;
+        let mut outcomes = Vec::with_capacity(observations.len());
+        for group in observations.chunks(AssociationSettings::GROUP) {
+            self.register(group);
+            outcomes.extend(self.take_in_group(group)?);
+        }
+        self.tidy();
+        self.resample();
+        Ok(outcomes)
+    }
+
+    /// Widens the view by what is seen, and gives slots to new numbers.
+    fn register(&mut self, group: &[LandmarkObservation]) {
+        for seen in group {
+            // Distance and direction do not depend on where the robot is.
+            let Some(place) = Place::new(&self.settings, Pose2::IDENTITY, seen.sight) else {
+                continue;
+            };
+            self.view.include(&place);
+            let slot = self.numbers.len();
+            let numbered = self.settings.identities == Identities::Known;
+            if numbered && slot < self.settings.map.max_landmarks {
+                self.numbers.entry(seen.landmark).or_insert(slot);
+            }
+        }
+    }
+
+    fn take_in_group(
+        &mut self,
+        group: &[LandmarkObservation],
+    ) -> loc_filters::Result<Vec<SlamOutcome>> {
+        let normals = self.normals();
+        let mut particles = std::mem::take(&mut self.particles);
+        let parts = particles.chunks_mut(TOGETHER).zip(normals.chunks(TOGETHER));
+        let knowledge = self.knowledge();
+        let reports = self.workers.map(parts, |(particles, normals)| {
+            let both = particles.iter_mut().zip(normals);
+            both.map(|(particle, normals)| particle.take_in(&knowledge, group, normals)).collect()
+        });
+        self.particles = particles;
+        let reports: Vec<Report> =
+            reports.into_iter().flat_map(|part: Vec<_>| part).collect::<Result<_, _>>()?;
+        for (weight, report) in self.log_weights.iter_mut().zip(&reports) {
+            *weight += report.log_likelihood;
+        }
+        self.weigh();
+        Ok(reports.into_iter().nth(self.best).map(|report| report.outcomes).unwrap_or_default())
+    }
+
+    fn knowledge(&self) -> Knowledge<'_> {
+        Knowledge {
+            settings: &self.settings,
+            gate: self.gate,
+            new_landmark_gate: self.new_landmark_gate,
+            associator: &self.associator,
+            view: self.view,
+            numbers: &self.numbers,
+            moment: self.moment,
+            step: self.step,
+        }
+    }
+
+    /// Makes the weights add up to 1; weights that say nothing become equal. The best particle is
+    /// the first of those with the largest.
+    fn weigh(&mut self) {
+        match Mass::of(&self.log_weights).log_sum() {
+            Some(sum) => divide(&mut self.log_weights, sum),
+            None => self.log_weights.fill(-(self.particles.len() as f64).ln()),
+        }
+        let weights = self.log_weights.iter().enumerate();
+        let largest = weights.rev().max_by(|a, b| a.1.total_cmp(b.1));
+        self.best = largest.map_or(0, |(index, _)| index);
+    }
+
+    /// Without numbers, a landmark may be one that was never there.
+    fn tidy(&mut self) {
+        if self.settings.identities == Identities::Unknown {
+            let mut particles = std::mem::take(&mut self.particles);
+            let knowledge = self.knowledge();
+            let missed: Vec<Vec<f64>> =
+                self.workers.map(particles.chunks_mut(TOGETHER), |particles| {
+                    particles.iter_mut().map(|particle| particle.tidy(&knowledge)).collect()
+                });
+            self.particles = particles;
+            for (weight, missed) in self.log_weights.iter_mut().zip(missed.iter().flatten()) {
+                *weight += missed;
+            }
+            self.weigh();
+        }
+    }
+
+    /// Draws particles by their weights, where these have become unequal.
+    fn resample(&mut self) {
+        let count = self.particles.len();
+        let effective = Mass::of(&self.log_weights).effective_sample_size();
+        if !self.settings.policy().is_due(1, effective, count) {
+            return;
+        }
+        let mut drawn = Vec::new();
+        self.settings.resampling.draw(&self.log_weights, count, &mut self.rng, &mut drawn);
+        let parents = drawn.iter().map(|&parent| parent as usize);
+        // The best one has the largest share, but a roulette may pass it over.
+        let best = parents.clone().position(|parent| parent == self.best);
+        let children = parents.filter_map(|parent| self.particles.get(parent).cloned());
+        self.particles = children.collect();
+        self.log_weights.fill(-(count as f64).ln());
+        self.best = best.unwrap_or(0);
+    }
+
+    /// What the filter believes about the robot's pose: mean and covariance of all particles, each
+    /// with what odometry leaves open since its pose was drawn.
+    ///
+    /// # Errors
+    /// [`loc_filters::Error::LostPositivity`] for a covariance that is none, with the step.
+    pub fn pose(&self) -> Result<Gaussian<3>> {
+        Ok(self.belief()?)
+    }
+
+    fn belief(&self) -> loc_filters::Result<Gaussian<3>> {
+        let about = self.particles[self.best].belief.mean;
+        let off = |mean: &Vector3<f64>| {
+            let mut off = mean - about;
+            off.z = angle::wrap(off.z);
+            off
+        };
+        let weighted = || self.particles.iter().zip(&self.log_weights).map(|(p, w)| (p, w.exp()));
+        let shift: Vector3<f64> = weighted().map(|(p, w)| w * off(&p.belief.mean)).sum();
+        let spread = |(p, w): (&Particle, f64)| {
+            let d = off(&p.belief.mean) - shift;
+            w * (p.belief.covariance + d * d.transpose())
+        };
+        let covariance: Matrix3<f64> = weighted().map(spread).sum();
+        let mut belief = Gaussian { mean: about + shift, covariance };
+        belief.mean.z = angle::wrap(belief.mean.z);
+        check(&belief, self.step)?;
+        Ok(belief)
+    }
+
+    /// The landmarks. With numbers, mean and covariance over the particles that have each, of
+    /// landmarks that most have. Without numbers no particle's landmarks can be told by those of
+    /// another: then they are those of the particle with the largest weight, and their covariances
+    /// are small, as if the way that it came were the true one.
+    ///
+    /// # Errors
+    /// [`loc_filters::Error::LostPositivity`] where the covariance of one is none.
+    pub fn landmarks(&self) -> Result<Vec<MapLandmark>> {
+        let mut landmarks = Vec::new();
+        if self.settings.identities == Identities::Unknown {
+            self.particles[self.best].map.visit(&mut |_, mark| {
+                let landmark_map::Mark { id, position, observations, confirmed, .. } = *mark;
+                landmarks.push(MapLandmark { id, position, observations, confirmed });
+            });
+        } else {
+            landmarks.extend(self.numbers.iter().filter_map(|(&id, &slot)| self.mixed(id, slot)));
+        }
+        for landmark in &landmarks {
+            let what = "covariance of a landmark";
+            check_covariance(what, &landmark.position.covariance).map_err(|_| {
+                let found = format!("{:?}", landmark.position.covariance.as_slice());
+                loc_filters::Error::LostPositivity { what, step: self.step, found }
+            })?;
+        }
+        Ok(landmarks)
+    }
+
+    /// A numbered landmark over all particles; `None` where most have none.
+    fn mixed(&self, id: u32, slot: usize) -> Option<MapLandmark> {
+        let weighted = || {
+            let all = self.particles.iter().zip(&self.log_weights);
+            all.filter_map(|(p, w)| Some((p.map.get(slot)?, w.exp())))
+        };
+        let total: f64 = weighted().map(|(_, w)| w).sum();
+        if total <= 0.5 {
+            return None;
+        }
+        let mean: Vector2<f64> = weighted().map(|(mark, w)| mark.position.mean * (w / total)).sum();
+        let covariance: Matrix2<f64> = weighted()
+            .map(|(mark, w)| {
+                let d = mark.position.mean - mean;
+                (mark.position.covariance + d * d.transpose()) * (w / total)
+            })
+            .sum();
+        let confirmed: f64 = weighted().filter(|(m, _)| m.confirmed).map(|(_, w)| w).sum();
+        Some(MapLandmark {
+            id,
+            position: Gaussian { mean, covariance },
+            observations: weighted().map(|(mark, _)| mark.observations).max()?,
+            confirmed: confirmed > 0.5 * total,
+        })
+    }
 }
 
 fn finite_twist(twist: Twist2) -> loc_filters::Result<()> {
@@ -186,4 +400,25 @@ fn finite_twist(twist: Twist2) -> loc_filters::Result<()> {
     }
     let found = format!("{:?}", twist.to_vector().as_slice());
     Err(loc_filters::Error::NotFinite { what: "velocity", found })
+}
+
+// The correction: every particle takes the observations in, and good particles have children.
+
+/// Particles that one thread takes at a time.
+const TOGETHER: usize = 8;
+
+// What the particles believe together.
+
+/// Refuses a belief that has lost its positivity, or its numbers.
+fn check(belief: &Gaussian<3>, step: u64) -> loc_filters::Result<()> {
+    let finite = belief.mean.iter().chain(belief.covariance.iter()).all(|v| v.is_finite());
+    let what = "covariance of the robot";
+    match check_covariance(what, &belief.covariance) {
+        Ok(()) if finite => Ok(()),
+        _ => {
+            let found =
+                format!("{:?} at {:?}", belief.covariance.as_slice(), belief.mean.as_slice());
+            Err(loc_filters::Error::LostPositivity { what, step, found })
+        }
+    }
 }

@@ -1,13 +1,14 @@
 //! The settings of FastSLAM.
 
-use crate::policy::{ResamplePolicy, ResampleWhen};
+use crate::resample::{ResamplePolicy, ResampleWhen};
 use crate::{Resampling, Result};
 use loc_core::Pose2;
 use loc_core::error::{finite, in_range, non_negative, positive};
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_filters::association::{AssociationSettings, Associator, Rule};
+use loc_filters::landmark::RangeBearingModel;
 use loc_filters::slam::{Identities, MapSettings};
-use loc_filters::{Gate, MeasurementModel, landmark::RangeBearingModel};
+use loc_filters::{Gate, MeasurementModel};
 use loc_sensors::landmark_camera::LandmarkNoise;
 use nalgebra::{Point2, Vector2};
 

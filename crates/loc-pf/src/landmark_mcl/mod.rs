@@ -22,12 +22,9 @@
 //! # Ok::<(), loc_pf::Error>(())
 //! ```
 
-mod leg;
 mod past;
-mod recovery;
 mod settings;
 mod update;
-mod velocities;
 
 pub use settings::{LandmarkMclSettings, RecoverySettings};
 pub use update::ObservationUpdate;
@@ -40,11 +37,10 @@ use loc_core::motion::{Twist2, dead_reckon};
 use loc_core::random::ChaCha8Rng;
 use loc_maps::{Bounds, LandmarkMap};
 use loc_sensors::landmark_camera::LandmarkObservation;
-use past::Moment;
-use recovery::Fit;
+use past::{Moment, Velocities};
 use std::collections::VecDeque;
 use std::sync::Arc;
-use velocities::Velocities;
+use update::Fit;
 
 /// Monte Carlo localization over stamped velocities and observations, in order or late.
 ///

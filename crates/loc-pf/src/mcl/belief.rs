@@ -1,15 +1,20 @@
 //! The part of the filter that changes: the cloud, and what decides over it.
 
-use super::observation::Observation;
-use super::step::Step;
-use super::surroundings::Surroundings;
-use super::{MclSettings, UpdateReport};
+use super::scan::{Observation, Surroundings};
+use super::{MclSettings, MotionSettings, UpdateReport};
 use crate::filter::Weighing;
+use crate::motion::{DifferentialStep, DrivenPath, NoisyStep, OmnidirectionalStep, PathNoise};
 use crate::recovery::{AugmentedMcl, Suspicion, UsualEvidence};
 use crate::tempering::{Tempering, TemperingReport};
-use crate::{Kld, ParticleFilter, Particles, ResamplePolicy, Resampling, Result, Workers};
+use crate::{
+    Kld, Motion, ParticleFilter, Particles, PosesMut, ResamplePolicy, Resampling, Result,
+    Transport, Workers,
+};
 use loc_core::random::ChaCha8Rng;
+use loc_core::{Gaussian, Pose2};
 use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
+use nalgebra::{Matrix3, Vector3};
+use rand_distr::{Distribution, StandardNormal};
 
 /// The belief about the pose.
 #[derive(Debug)]
@@ -152,4 +157,66 @@ fn usual_evidence(field: &LikelihoodFieldSettings) -> UsualEvidence {
     let miss = field.likelihood(f64::INFINITY).ln();
     let mixed = |share: f64| share * hit + (1.0 - share) * miss;
     UsualEvidence { expected: mixed(0.75), least: mixed(0.5) }
+}
+
+// The motion since the last update, by the model that the settings name.
+
+/// A step of one of the models.
+#[derive(Debug)]
+pub(super) enum Step {
+    Path(NoisyStep),
+    Differential(DifferentialStep),
+    Omnidirectional(OmnidirectionalStep),
+    /// From the belief about the start, whatever pose a particle had: mean, and a factor of the
+    /// covariance.
+    Start(Vector3<f64>, Matrix3<f64>),
+}
+
+impl Step {
+    pub(super) fn new(path: &DrivenPath, settings: &MotionSettings) -> Result<Self> {
+        let (from, to) = (path.start(), path.end());
+        Ok(match settings {
+            MotionSettings::Path(noise) => Step::Path(NoisyStep::new(path, noise)),
+            MotionSettings::Differential(noise) => {
+                Step::Differential(DifferentialStep::between(from, to, noise)?)
+            }
+            MotionSettings::Omnidirectional(noise) => {
+                Step::Omnidirectional(OmnidirectionalStep::between(from, to, noise)?)
+            }
+        })
+    }
+
+    /// The way from the start belief to the first scan; its covariance was checked at the start.
+    pub(super) fn from_start(path: &DrivenPath, belief: &Gaussian<3>, noise: &PathNoise) -> Self {
+        let belief = noise.belief_after(path, belief);
+        Step::Start(belief.mean, belief.factor())
+    }
+}
+
+impl Motion for Step {
+    fn sample(&self, poses: PosesMut<'_>, rng: &mut ChaCha8Rng) {
+        let one_by_one = |pose, rng: &mut ChaCha8Rng| {
+            self.moved(pose, std::array::from_fn(|_| StandardNormal.sample(rng)))
+        };
+        match self {
+            Step::Path(step) => step.sample(poses, rng),
+            Step::Differential(step) => step.sample(poses, rng),
+            Step::Omnidirectional(step) => step.sample(poses, rng),
+            Step::Start(..) => one_by_one.sample(poses, rng),
+        }
+    }
+}
+
+impl Transport for Step {
+    fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
+        match self {
+            Step::Path(step) => step.moved(pose, noise),
+            Step::Differential(step) => step.moved(pose, noise),
+            Step::Omnidirectional(step) => step.moved(pose, noise),
+            Step::Start(mean, factor) => {
+                let [a, b, c, _] = noise;
+                Pose2::from_vector(&(mean + factor * Vector3::new(a, b, c)))
+            }
+        }
+    }
 }

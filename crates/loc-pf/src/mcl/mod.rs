@@ -25,40 +25,32 @@
 //! ```
 
 mod belief;
-mod challenger;
-mod elsewhere;
-mod field;
-mod observation;
-#[cfg(feature = "serde")]
-mod optional;
 mod range_offset;
-mod recover;
+mod recovery;
+mod scan;
 mod settings;
-mod start;
-mod state;
-mod step;
-mod surroundings;
-mod update;
 
-pub use observation::MountedScan;
 pub use range_offset::{RangeOffset, RangeOffsetEstimate};
+pub use scan::MountedScan;
 pub use settings::{
     FieldSettings, MclSettings, MotionSettings, NoveltyFilter, RecoverySettings, SensorSettings,
     Weighting,
 };
-pub use state::MclState;
-pub use update::{Update, UpdateReport};
 
 use crate::confidence::{LostMonitor, ScanRater};
 use crate::estimate::Clusterer;
 use crate::motion::DrivenPath;
-use crate::{Estimate, Particles, Result};
-use belief::Belief;
-use challenger::Challenger;
+use crate::recovery::{AugmentedMcl, Suspicion};
+use crate::{Error, Estimate, Particles, Result, Transport};
+use belief::{Belief, Step};
+use loc_core::error::finite;
+use loc_core::gaussian::check_covariance;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Pose2};
 use loc_maps::OccupancyGrid;
-use surroundings::Surroundings;
+use loc_maps::likelihood_field::Endpoints;
+use recovery::Challenger;
+use scan::{Surroundings, endpoints, select};
 
 /// A robot with lasers in a known map.
 #[derive(Debug)]
@@ -84,7 +76,7 @@ impl Mcl {
     /// A robot that may be anywhere in the map's free space; it draws from `rng`.
     ///
     /// # Errors
-    /// Settings out of range, [`crate::Error::NoFreeSpace`], [`crate::Error::Threads`].
+    /// Settings out of range, [`loc_maps::Error::NoFreeSpace`], [`crate::Error::Threads`].
     pub fn new(map: &OccupancyGrid, settings: MclSettings, rng: ChaCha8Rng) -> Result<Self> {
         settings.validate()?;
         let surroundings = Surroundings::new(map, &settings)?;
@@ -169,4 +161,258 @@ impl Mcl {
     pub fn lost(&self) -> f64 {
         self.monitor.probability()
     }
+
+    /// Notes where the odometry is, between two scans: the noise of a way depends on how long it
+    /// was, which its ends alone do not tell.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a pose that is not finite, which is not noted.
+    pub fn odometry(&mut self, pose: Pose2) -> Result<()> {
+        check(pose, &[])?;
+        self.path.get_or_insert(DrivenPath::starting_at(pose)).extend(pose);
+        Ok(())
+    }
+
+    /// Takes in the odometry's pose and what the lasers measured there. The first scan after a
+    /// start counts in any case, later ones when the robot has moved enough.
+    ///
+    /// A jump of the odometry is a motion like any other: the cloud follows it, and if no scan
+    /// bears it out the robot is searched for. Without valid beams the cloud is moved only.
+    ///
+    /// # Errors
+    /// A scan that cannot be one ([`LaserScan::check`](loc_sensors::laser::LaserScan::check)) and a
+    /// pose that is not finite; the filter stays as it was then.
+    pub fn update(&mut self, odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<Update> {
+        check(odometry, scans)?;
+        self.odometry(odometry)?;
+        let step = self.path.map_or(Pose2::IDENTITY, |path| path.step());
+        if self.belief.has_seen
+            && f64::hypot(step.x, step.y) < self.settings.update_distance
+            && step.theta.abs() < self.settings.update_turn
+        {
+            return Ok(Update::StoodStill);
+        }
+        let workers = self.belief.filter.workers().clone();
+        workers.within(|| self.take_in(scans)).map(Update::Done)
+    }
+
+    /// Takes in scans although the robot may not have moved since the last update.
+    ///
+    /// # Errors
+    /// As for [`update`](Mcl::update).
+    pub fn update_standing(
+        &mut self,
+        odometry: Pose2,
+        scans: &[MountedScan<'_>],
+    ) -> Result<Update> {
+        self.belief.has_seen = false;
+        self.update(odometry, scans)
+    }
+
+    fn take_in(&mut self, scans: &[MountedScan<'_>]) -> Result<UpdateReport> {
+        let path = self.path.unwrap_or(DrivenPath::starting_at(Pose2::IDENTITY));
+        let motion = &self.settings.motion;
+        let step = match self.start.take() {
+            Some(belief) => Step::from_start(&path, &belief, &motion.path_noise()),
+            None => Step::new(&path, motion)?,
+        };
+        self.path = Some(DrivenPath::starting_at(path.end()));
+        let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
+        let beams = self.familiar(&step, scans, beams)?;
+        let offset = self.range_offset();
+        let endpoints = self.agreeing(&step, endpoints(scans, &beams, offset));
+        let scan = self.surroundings.observe(scans, &beams, &endpoints, &self.settings)?;
+        let report = self.belief.update(&step, &scan, &endpoints, &self.surroundings);
+        let particles = self.belief.filter.particles();
+        self.estimate = self.clusterer.estimate(particles);
+        let pose = self.estimate.belief.pose();
+        let (rater, tolerance) = (&mut self.rater, self.monitor.settings().tolerance);
+        let workers = self.belief.filter.workers();
+        let (fit, support) = workers
+            .both(|| rater.rate_by(workers, pose, scans), || tolerance.support(particles, pose));
+        self.monitor.update(fit, support);
+        let searched = report.searched || self.challenge(&step, scans)?;
+        if self.settings.estimates_range_offset() && !searched && self.lost() < SURE {
+            self.offset.update(&self.surroundings.field, scans, &beams, pose, offset);
+        }
+        Ok(UpdateReport { searched, ..report })
+    }
+
+    /// The beams without those that a filter against people drops.
+    fn familiar(
+        &self,
+        step: &Step,
+        scans: &[MountedScan<'_>],
+        beams: Vec<Vec<usize>>,
+    ) -> Result<Vec<Vec<usize>>> {
+        match &self.settings.novelty {
+            Some(filter) if !self.belief.is_looking() => {
+                self.surroundings.familiar(scans, beams, &self.predicted(step), filter)
+            }
+            _ => Ok(beams),
+        }
+    }
+
+    /// The ends of beams without those that the settings let be skipped.
+    fn agreeing(&self, step: &Step, endpoints: Endpoints) -> Endpoints {
+        match self.settings.sensor {
+            SensorSettings::LikelihoodField(FieldSettings { beam_skip: Some(skip), .. }) => {
+                skip.apply(&self.surroundings.field, self.predicted(step).poses(), &endpoints)
+            }
+            _ => endpoints,
+        }
+    }
+
+    /// The cloud after the step, without its noise.
+    fn predicted(&self, step: &Step) -> Particles {
+        let cloud = self.belief.filter.particles();
+        let mut predicted = Particles::new();
+        for (pose, weight) in cloud.poses().iter().zip(cloud.log_weights()) {
+            predicted.push(step.moved(pose, [0.0; 4]), *weight);
+        }
+        predicted
+    }
+
+    /// Starts from no idea of the pose (A2). With the search of
+    /// [`RecoverySettings`](RecoverySettings) the first scan says where the robot may be,
+    /// without it particles are spread evenly over the free space.
+    pub fn start_anywhere(&mut self) {
+        let count = self.settings.particles.max_particles;
+        let (free_space, rng) = (&self.surroundings.free_space, self.belief.filter.rng_mut());
+        let cloud = Particles::from_poses((0..count).map(|_| free_space.draw(rng)));
+        self.restart(cloud, None);
+    }
+
+    /// Starts from a belief about the pose (A1), with the most particles that the settings allow.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::NotACovariance`], and [`Error::OffMap`] for a mean that is not on the map
+    /// (walls and unknown space are: a map may be wrong there). The cloud stays as it was then.
+    pub fn start_at(&mut self, belief: &Gaussian<3>) -> Result<()> {
+        let pose = belief.pose();
+        check_covariance("covariance of the start pose", &belief.covariance)?;
+        if !pose.is_finite() || !self.surroundings.free_space.is_on_map(pose) {
+            return Err(Error::OffMap { x: pose.x, y: pose.y });
+        }
+        let count = self.settings.particles.max_particles;
+        let cloud = Particles::from_gaussian(belief, count, self.belief.filter.rng_mut());
+        self.restart(cloud, Some(*belief));
+        Ok(())
+    }
+
+    fn restart(&mut self, cloud: Particles, start: Option<Gaussian<3>>) {
+        let belief = &mut self.belief;
+        *belief.filter.particles_mut() = cloud;
+        (self.path, self.start, self.challenger) = (None, start, None);
+        (belief.has_seen, belief.is_anywhere) = (false, start.is_none());
+        belief.updates_since_resampling = 0;
+        belief.suspicion.iter_mut().for_each(Suspicion::clear);
+        belief.augmented.iter_mut().for_each(AugmentedMcl::reset);
+        self.monitor = LostMonitor::new(self.settings.lost).unwrap_or(self.monitor);
+        self.estimate = self.clusterer.estimate(belief.filter.particles());
+    }
+
+    /// What the filter knows; [`restore`](Mcl::restore) goes on from there, to the bit.
+    pub fn state(&self) -> MclState {
+        let belief = &self.belief;
+        MclState {
+            particles: belief.filter.particles().clone(),
+            rng: belief.filter.rng().clone(),
+            path: self.path,
+            start: self.start,
+            has_seen: belief.has_seen,
+            is_anywhere: belief.is_anywhere,
+            updates_since_resampling: belief.updates_since_resampling,
+            suspicion: belief.suspicion,
+            augmented: belief.augmented,
+            monitor: self.monitor,
+            challenger: self.challenger.clone(),
+            offset: self.offset,
+        }
+    }
+
+    /// Goes on from what another filter, with the same map and settings, knew.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::Length`] for a state without particles, and
+    /// [`loc_core::Error::OutOfRange`] for one with poses that are not finite.
+    pub fn restore(&mut self, state: MclState) -> Result<()> {
+        state.particles.check()?;
+        if state.particles.is_empty() {
+            let (what, expected) = ("particles of a saved state", "at least 1");
+            return Err(Error::Core(loc_core::Error::Length { what, expected, found: 0 }));
+        }
+        let belief = &mut self.belief;
+        *belief.filter.particles_mut() = state.particles;
+        *belief.filter.rng_mut() = state.rng;
+        (self.path, self.start) = (state.path, state.start);
+        belief.has_seen = state.has_seen;
+        belief.is_anywhere = state.is_anywhere;
+        belief.updates_since_resampling = state.updates_since_resampling;
+        (belief.suspicion, belief.augmented) = (state.suspicion, state.augmented);
+        self.monitor = state.monitor;
+        (self.challenger, self.offset) = (state.challenger, state.offset);
+        self.estimate = self.clusterer.estimate(belief.filter.particles());
+        Ok(())
+    }
+}
+
+// The update: sample the motion, weigh, resample (M1).
+
+/// What [`Mcl::update`] did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Update {
+    /// Nothing but noting the odometry: the robot has not moved enough since the last update.
+    StoodStill,
+    /// The cloud was moved and weighed.
+    Done(UpdateReport),
+}
+
+/// How an update went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UpdateReport {
+    /// How often the cloud was rated: once, unless the scan was taken in by degrees.
+    pub stages: usize,
+    /// Logarithm of the mean likelihood of the scans over the predicted cloud.
+    pub log_evidence: f64,
+    /// Effective sample size at the end.
+    pub effective_sample_size: f64,
+    /// Whether the map was searched for the scan.
+    pub searched: bool,
+}
+
+/// A scan tells an offset of the ranges where the robot is lost with less than this probability.
+const SURE: f64 = 0.1;
+
+fn check(odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<()> {
+    finite("x of the odometry [m]", odometry.x)?;
+    finite("y of the odometry [m]", odometry.y)?;
+    finite("heading of the odometry [rad]", odometry.theta)?;
+    scans.iter().try_for_each(|mounted| {
+        finite("mounting of a laser", mounted.mounting.to_vector().sum())?;
+        Ok(mounted.scan.check()?)
+    })
+}
+
+// Where the robot may be at the start.
+
+// What a filter knows, to be kept over a restart of the robot.
+
+/// Everything that changes while an [`Mcl`] runs: cloud, randomness, averages, and the way since
+/// the last update. Map and settings are not part of it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MclState {
+    particles: Particles,
+    rng: ChaCha8Rng,
+    path: Option<DrivenPath>,
+    start: Option<Gaussian<3>>,
+    has_seen: bool,
+    is_anywhere: bool,
+    updates_since_resampling: usize,
+    suspicion: Option<Suspicion>,
+    augmented: Option<AugmentedMcl>,
+    monitor: LostMonitor,
+    challenger: Option<Challenger>,
+    offset: RangeOffsetEstimate,
 }

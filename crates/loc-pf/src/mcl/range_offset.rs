@@ -9,7 +9,7 @@
 //! whose curvature says how well the offset is known when the pose is left open. What the scans
 //! say is averaged over the drive, and their scatter tells how far to believe it.
 
-use super::observation::{MountedScan, endpoints};
+use super::scan::{MountedScan, endpoints};
 use crate::Result;
 use loc_core::Pose2;
 use loc_core::error::in_range;

@@ -11,7 +11,7 @@ use crate::tempering::TemperingSettings;
 use crate::{KldSettings, ResamplePolicy, Resampling, Result};
 use loc_core::error::{non_negative, positive};
 use loc_core::motion::OdometryNoise;
-use loc_maps::likelihood_field::LikelihoodFieldSettings;
+use loc_maps::likelihood_field::{LikelihoodFieldSettings, Obstacles};
 
 /// Settings of [`Mcl`](crate::Mcl).
 ///
@@ -39,10 +39,10 @@ pub struct MclSettings {
     /// What is added to every range \[m\].
     pub range_offset: RangeOffset,
     /// Drops beams that people or new furniture cut short (K3); `None` for none.
-    #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
+    #[cfg_attr(feature = "serde", serde(with = "optional"))]
     pub novelty: Option<NoveltyFilter>,
     /// How narrow likelihoods are taken in; `None` for the plain filter, which weighs once.
-    #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
+    #[cfg_attr(feature = "serde", serde(with = "optional"))]
     pub tempering: Option<TemperingSettings>,
     /// No update before the robot has driven this far \[m\] (`update_min_d`) ..
     pub update_distance: f64,
@@ -104,12 +104,12 @@ pub enum NoveltyFilter {
 pub struct FieldSettings {
     /// The field; its `sigma_hit` is at least 20 times the square of a cell's side \[m\], which is
     /// 0.05 m for cells of 0.05 m and 0.2 m for cells of 0.1 m.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "super::field::over_sharp"))]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "over_sharp"))]
     pub field: LikelihoodFieldSettings,
     /// How the beams of a scan are taken together.
     pub weighting: Weighting,
     /// Leaves out beams that end on what is on no map.
-    #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
+    #[cfg_attr(feature = "serde", serde(with = "optional"))]
     pub beam_skip: Option<BeamSkip>,
 }
 
@@ -134,10 +134,10 @@ pub struct RecoverySettings {
     /// such a start spreads particles evenly.
     pub search: bool,
     /// When to suspect that the robot is elsewhere; `None` for never.
-    #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
+    #[cfg_attr(feature = "serde", serde(with = "optional"))]
     pub suspicion: Option<SuspicionSettings>,
     /// Random particles by running averages of the evidence; `None` for none.
-    #[cfg_attr(feature = "serde", serde(with = "super::optional"))]
+    #[cfg_attr(feature = "serde", serde(with = "optional"))]
     pub augmented: Option<AugmentedSettings>,
 }
 
@@ -175,7 +175,7 @@ impl SensorSettings {
 impl Default for FieldSettings {
     /// A sharper field than [`LikelihoodFieldSettings`] has by itself: the filter can follow it.
     fn default() -> Self {
-        let field = super::field::sharp();
+        let field = sharp();
         FieldSettings { field, weighting: Weighting::Product, beam_skip: None }
     }
 }
@@ -263,5 +263,117 @@ impl MclSettings {
         self.policy.validate()?;
         self.lost.validate()?;
         self.clusters.validate()
+    }
+}
+
+// The likelihood field that the filter starts from.
+
+/// A sharper field than nav2_amcl's, on the surfaces of the walls: the filter can follow it.
+pub(super) fn sharp() -> LikelihoodFieldSettings {
+    LikelihoodFieldSettings {
+        sigma_hit: 0.05,
+        z_hit: 0.8,
+        z_rand: 0.2,
+        obstacles: Obstacles::Surfaces,
+        ..LikelihoodFieldSettings::default()
+    }
+}
+
+/// Reads the settings of a field of which only some are given; the others are those of [`sharp`].
+#[cfg(feature = "serde")]
+pub(super) fn over_sharp<'de, D>(deserializer: D) -> Result<LikelihoodFieldSettings, D::Error>
+where
+    D: serde::Deserializer<'de>,
+{
+    use loc_maps::likelihood_field::{OffMap, UnknownSpace};
+    use serde::Deserialize;
+
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Given {
+        sigma_hit: Option<f64>,
+        z_hit: Option<f64>,
+        z_rand: Option<f64>,
+        max_range: Option<f64>,
+        max_distance: Option<f64>,
+        unknown_space: Option<UnknownSpace>,
+        obstacles: Option<Obstacles>,
+        off_map: Option<OffMap>,
+    }
+
+    let (given, sharp) = (Given::deserialize(deserializer)?, sharp());
+    Ok(LikelihoodFieldSettings {
+        sigma_hit: given.sigma_hit.unwrap_or(sharp.sigma_hit),
+        z_hit: given.z_hit.unwrap_or(sharp.z_hit),
+        z_rand: given.z_rand.unwrap_or(sharp.z_rand),
+        max_range: given.max_range.unwrap_or(sharp.max_range),
+        max_distance: given.max_distance.unwrap_or(sharp.max_distance),
+        unknown_space: given.unknown_space.unwrap_or(sharp.unknown_space),
+        obstacles: given.obstacles.unwrap_or(sharp.obstacles),
+        off_map: given.off_map.unwrap_or(sharp.off_map),
+    })
+}
+
+/// Parts of the filter that can be switched off in a settings file: `tempering = false`.
+///
+/// TOML has no word for "none", and a key that is left out means the default. So such a part is
+/// written as its table, or as `false` (also `"off"`) for none; `true` (also `"on"`) is the part
+/// with its defaults.
+#[cfg(feature = "serde")]
+mod optional {
+    use serde::de::value::MapAccessDeserializer;
+    use serde::de::{Error, MapAccess, Unexpected, Visitor};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::fmt;
+    use std::marker::PhantomData;
+
+    pub(super) fn serialize<T, S>(part: &Option<T>, serializer: S) -> Result<S::Ok, S::Error>
+    where
+        T: Serialize,
+        S: Serializer,
+    {
+        match part {
+            Some(part) => part.serialize(serializer),
+            None => serializer.serialize_bool(false),
+        }
+    }
+
+    pub(super) fn deserialize<'de, T, D>(deserializer: D) -> Result<Option<T>, D::Error>
+    where
+        T: Deserialize<'de> + Default,
+        D: Deserializer<'de>,
+    {
+        deserializer.deserialize_any(Part(PhantomData))
+    }
+
+    struct Part<T>(PhantomData<T>);
+
+    impl<'de, T: Deserialize<'de> + Default> Visitor<'de> for Part<T> {
+        type Value = Option<T>;
+
+        fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+            formatter.write_str("a table of settings, false (off) or true (the defaults)")
+        }
+
+        fn visit_bool<E: Error>(self, is_on: bool) -> Result<Option<T>, E> {
+            Ok(is_on.then(T::default))
+        }
+
+        fn visit_str<E: Error>(self, text: &str) -> Result<Option<T>, E> {
+            match text {
+                "off" => Ok(None),
+                "on" => Ok(Some(T::default())),
+                _ => Err(E::invalid_value(Unexpected::Str(text), &self)),
+            }
+        }
+
+        /// What other formats than TOML write for nothing.
+        fn visit_unit<E: Error>(self) -> Result<Option<T>, E> {
+            Ok(None)
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Option<T>, A::Error> {
+            T::deserialize(MapAccessDeserializer::new(map)).map(Some)
+        }
     }
 }

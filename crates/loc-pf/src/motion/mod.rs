@@ -24,24 +24,38 @@
 //! assert!((mean - 0.95).abs() < 0.05);
 //! # Ok::<(), loc_pf::Error>(())
 //! ```
+//!
+//! The step of a driven path for particles.
+//!
+//! How far odometry may be off after a way is [`PathNoise`]'s business. Now and then a wheel spins,
+//! the robot is stuck or pushed, or its encoders count the wrong way, and odometry is wrong by as
+//! much as it reports. A small share of the particles takes that into account at every step;
+//! without them such a moment loses the robot.
+//!
+//! ```
+//! use loc_core::Pose2;
+//! use loc_pf::motion::{DrivenPath, NoisyStep, PathNoise, Transport};
+//! let mut path = DrivenPath::starting_at(Pose2::IDENTITY);
+//! path.extend(Pose2::new(1.0, 0.0, 0.0));
+//! path.extend(Pose2::new(0.5, 0.0, 0.0));
+//! let step = NoisyStep::new(&path, &PathNoise::default());
+//! assert_eq!(step.moved(Pose2::IDENTITY, [0.0; 4]), Pose2::new(0.5, 0.0, 0.0));
+//! ```
 
-mod ackermann;
-mod differential;
-mod driven;
-mod omnidirectional;
-mod step;
+mod odometry;
 mod velocity;
 
-pub use ackermann::AckermannStep;
-pub use differential::DifferentialStep;
-pub use driven::NoisyStep;
 pub use loc_core::motion::{DrivenPath, PathNoise};
-pub use omnidirectional::{OmnidirectionalNoise, OmnidirectionalStep};
-pub use velocity::VelocityStep;
+pub use odometry::{DifferentialStep, OmnidirectionalNoise, OmnidirectionalStep};
+pub use velocity::{AckermannStep, VelocityStep};
 
-use crate::PosesMut;
-use loc_core::Pose2;
+use crate::elementary::{sin_cos, wrap};
+use crate::normals::{BLOCK, Normals};
+use crate::{PosesMut, Result};
+use loc_core::error::in_range;
 use loc_core::random::ChaCha8Rng;
+use loc_core::{Normal, Pose2};
+use pulp::{Arch, Simd, WithSimd};
 
 /// A step of the robot with its noise, ready to move particles.
 ///
@@ -69,3 +83,159 @@ impl<F: Fn(Pose2, &mut ChaCha8Rng) -> Pose2 + Sync> Motion for F {
         }
     }
 }
+
+/// A step with its noise: from a pose and four standard normal numbers to the next pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoisyStep {
+    step: Pose2,
+    /// Standard deviations along, across and of the heading.
+    sigmas: [f64; 3],
+    faulty_sigmas: [f64; 3],
+    /// Odometry has failed where the fourth number lies above this.
+    fault_above: f64,
+}
+
+impl NoisyStep {
+    /// The step of a driven path.
+    pub fn new(path: &DrivenPath, noise: &PathNoise) -> Self {
+        let variances = noise.variances(path);
+        let least = [noise.min_position, noise.min_position, noise.min_heading];
+        let sigma = |k: usize, more: f64| (variances[k] + least[k].powi(2) + more.powi(2)).sqrt();
+        let fault = PathNoise::fault_sigmas(path);
+        let quantile = Normal::STANDARD.quantile(1.0 - noise.fault_probability);
+        NoisyStep {
+            step: path.step(),
+            sigmas: [sigma(0, 0.0), sigma(1, 0.0), sigma(2, 0.0)],
+            faulty_sigmas: [sigma(0, fault.x), sigma(1, fault.y), sigma(2, fault.z)],
+            fault_above: quantile.unwrap_or(f64::INFINITY),
+        }
+    }
+}
+
+impl Transport for NoisyStep {
+    /// The four numbers stand for the noise along, across, of the heading, and for whether odometry
+    /// failed.
+    fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
+        let failed = noise[3] > self.fault_above;
+        let sigmas = if failed { self.faulty_sigmas } else { self.sigmas };
+        let turn = sigmas[2] * noise[2];
+        // On the average over the way the heading is off by half of what it is off at the end.
+        let (sin, cos) = (0.5 * turn).sin_cos();
+        let along = self.step.x + sigmas[0] * noise[0];
+        let across = self.step.y + sigmas[1] * noise[1];
+        let step = Pose2::new(
+            cos * along - sin * across,
+            sin * along + cos * across,
+            self.step.theta + turn,
+        );
+        pose * step
+    }
+}
+
+impl Motion for NoisyStep {
+    fn sample(&self, poses: PosesMut<'_>, rng: &mut ChaCha8Rng) {
+        let mut normals = Normals::from_rng(rng);
+        let mut noise = [[0.0_f32; 4]; 16];
+        let blocks = poses.x.chunks_mut(16).zip(poses.y.chunks_mut(16));
+        for ((x, y), theta) in blocks.zip(poses.theta.chunks_mut(16)) {
+            normals.fill(noise.as_flattened_mut());
+            for (((x, y), theta), noise) in x.iter_mut().zip(y).zip(theta).zip(&noise) {
+                let pose = Pose2 { x: *x, y: *y, theta: *theta };
+                let moved = self.moved(pose, noise.map(f64::from));
+                (*x, *y, *theta) = (moved.x, moved.y, moved.theta);
+            }
+        }
+    }
+}
+
+// What all models share: many poses moved in one vectorised loop.
+
+/// A displacement in a frame that is turned against the robot's.
+#[derive(Debug, Clone, Copy)]
+struct Displacement {
+    /// How far the frame is turned against the robot's heading before the step \[rad\].
+    direction: f64,
+    /// Way in that direction \[m\].
+    along: f64,
+    /// Way at a right angle to it, to the left \[m\].
+    across: f64,
+    /// Change of the heading \[rad\].
+    turn: f64,
+}
+
+/// One drawn step, from three independent standard normal numbers.
+///
+/// Implementations are inlined into the vectorised loop and must not branch.
+trait Step: Copy {
+    fn draw(self, noise: [f64; 3]) -> Displacement;
+}
+
+/// One pose moved by the step that given numbers stand for.
+fn moved<S: Step>(step: S, pose: Pose2, noise: [f64; 4]) -> Pose2 {
+    let [first, second, third, _] = noise;
+    let Displacement { direction, along, across, turn } = step.draw([first, second, third]);
+    let (sin, cos) = (pose.theta + direction).sin_cos();
+    Pose2::new(
+        pose.x + along * cos - across * sin,
+        pose.y + along * sin + across * cos,
+        pose.theta + turn,
+    )
+}
+
+/// Moves every pose by a drawn step.
+fn move_all<S: Step>(step: S, poses: PosesMut<'_>, rng: &mut ChaCha8Rng) {
+    let normals = Normals::from_rng(rng);
+    Arch::new().dispatch(MoveAll { step, poses, normals });
+}
+
+struct MoveAll<'a, S> {
+    step: S,
+    poses: PosesMut<'a>,
+    normals: Normals,
+}
+
+impl<S: Step> WithSimd for MoveAll<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<V: Simd>(mut self, _: V) {
+        let PosesMut { x, y, theta } = self.poses;
+        let blocks = x.chunks_mut(BLOCK).zip(y.chunks_mut(BLOCK)).zip(theta.chunks_mut(BLOCK));
+        for ((x, y), theta) in blocks {
+            let noise = [self.normals.block(), self.normals.block(), self.normals.block()];
+            move_block(self.step, [x, y, theta], &noise);
+        }
+    }
+}
+
+#[inline(always)]
+fn move_block<S: Step>(step: S, [x, y, theta]: [&mut [f64]; 3], noise: &[[f32; BLOCK]; 3]) {
+    let poses = x.iter_mut().zip(y).zip(theta);
+    let noise = noise[0].iter().zip(&noise[1]).zip(&noise[2]);
+    for (((x, y), theta), ((&a, &b), &c)) in poses.zip(noise) {
+        let drawn = step.draw([f64::from(a), f64::from(b), f64::from(c)]);
+        let (sin, cos) = sin_cos(*theta + drawn.direction);
+        *x += drawn.along * cos - drawn.across * sin;
+        *y += drawn.along * sin + drawn.across * cos;
+        *theta = wrap(*theta + drawn.turn);
+    }
+}
+
+/// A standard deviation of an angle, bounded: beyond a few turns every direction is as likely, and
+/// larger angles would lose digits.
+fn angle_sigma(variance: f64) -> f64 {
+    variance.sqrt().min(1e3)
+}
+
+/// The standard deviation of a way \[m\], bounded too: no coordinate overflows.
+fn way_sigma(variance: f64) -> f64 {
+    variance.sqrt().min(FURTHEST)
+}
+
+/// Checks that a way \[m\] or a turn \[rad\] is one that a robot can make.
+fn bounded(what: &'static str, value: f64) -> Result<f64> {
+    Ok(in_range(what, "a number in [-1e9, 1e9]", value, |value| value.abs() <= FURTHEST)?)
+}
+
+/// No robot moves further in one step \[m\].
+const FURTHEST: f64 = 1e9;

@@ -15,16 +15,31 @@
 //! Resampling::Systematic.draw(&log_weights, 10, &mut stream(1, "filter"), &mut drawn);
 //! assert_eq!(drawn, [0, 1, 1, 1, 1, 1, 1, 2, 2, 2]);
 //! ```
+//!
+//! When to resample (M11).
+//!
+//! Resampling costs diversity: every time, some particles vanish for ever. Without measurements
+//! that tell particles apart there is nothing to gain from it, and a robot that stands still would
+//! lose its cloud to chance. So one resamples only every N-th update, or only when the weights
+//! have become unequal; in between, the weights of the updates multiply up.
+//!
+//! ```
+//! use loc_pf::policy::{ResamplePolicy, ResampleWhen};
+//! let policy = ResamplePolicy { every: 2, when: ResampleWhen::EffectiveShareBelow(0.5) };
+//! assert!(policy.is_due(2, 300.0, 1000));
+//! assert!(!policy.is_due(1, 300.0, 1000), "only one update since the last time");
+//! assert!(!policy.is_due(2, 700.0, 1000), "the weights are still much alike");
+//! ```
 
-mod residual;
-mod roulette;
-mod stratified;
-mod systematic;
 mod wheel;
 
 pub use wheel::Wheel;
 
-use crate::Workers;
+use crate::elementary::ROUND;
+use crate::workers::PART;
+use crate::{Result, Workers};
+use loc_core::error::{in_range, non_negative};
+use pulp::{Arch, Simd, WithSimd};
 use rand::{Rng, RngExt};
 
 /// How particles are drawn.
@@ -96,10 +111,10 @@ impl Resampling {
             return indices.clear();
         }
         match self {
-            Resampling::Roulette => roulette::draw(wheel, count, rng, indices),
-            Resampling::Systematic => systematic::draw(wheel, count, rng, indices, workers),
-            Resampling::Stratified => stratified::draw(wheel, count, rng, indices),
-            Resampling::Residual => residual::draw(wheel, count, rng, indices),
+            Resampling::Roulette => roulette(wheel, count, rng, indices),
+            Resampling::Systematic => systematic(wheel, count, rng, indices, workers),
+            Resampling::Stratified => stratified(wheel, count, rng, indices),
+            Resampling::Residual => residual(wheel, count, rng, indices),
         }
     }
 }
@@ -107,4 +122,219 @@ impl Resampling {
 /// An even draw from (0, 1) that keeps 2^-33 away from either end, further than rounding reaches.
 fn open<R: Rng + ?Sized>(rng: &mut R) -> f64 {
     (f64::from(rng.random::<u32>()) + 0.5) / (1_u64 << 32) as f64
+}
+
+// The spoke wheel (M9).
+
+/// Places written at once, whether needed or not: most particles have fewer copies, and no branch
+/// has to guess how many.
+const AT_ONCE: usize = 4;
+
+/// One random turn of a wheel with `count` spokes.
+fn systematic<R: Rng + ?Sized>(
+    wheel: &Wheel,
+    count: usize,
+    rng: &mut R,
+    indices: &mut Vec<u32>,
+    workers: &Workers,
+) {
+    indices.resize(count, 0);
+    let per_unit = count as f64 / wheel.circumference();
+    let spokes = Spokes { per_unit, offset: 0.5 - open(rng), count };
+    // The spokes of a part of the sectors follow those of the part before.
+    let (mut rest, mut first) = (&mut indices[..], 0);
+    let parts = wheel.ends().chunks(PART).enumerate().map(|(part, ends)| {
+        let last = ends.last().map_or(first, |end| spokes.before(*end));
+        let (indices, others) = std::mem::take(&mut rest).split_at_mut(last - first);
+        let part = Part { spokes, ends, sector: (part * PART) as u32, first, indices };
+        (rest, first) = (others, last);
+        part
+    });
+    workers.for_each(parts, |part| Arch::new().dispatch(part));
+}
+
+/// Where the spokes stand: spoke k at `k + 0.5 - offset` spacings.
+#[derive(Debug, Clone, Copy)]
+struct Spokes {
+    /// Spacings in a unit of the wheel.
+    per_unit: f64,
+    offset: f64,
+    count: usize,
+}
+
+// ANCHOR: spokes
+impl Spokes {
+    /// How many spokes stand before a place of the wheel.
+    #[inline(always)]
+    fn before(&self, place: f64) -> usize {
+        (self.passed(place) as usize).min(self.count)
+    }
+
+    #[inline(always)]
+    fn passed(&self, place: f64) -> u32 {
+        ((place * self.per_unit + self.offset) + ROUND).to_bits() as u32
+    }
+}
+// ANCHOR_END: spokes
+
+/// Some sectors and the spokes that stand in them.
+struct Part<'a> {
+    spokes: Spokes,
+    ends: &'a [f64],
+    /// The number of the first sector.
+    sector: u32,
+    /// The number of the first spoke.
+    first: usize,
+    /// For each of the spokes its sector.
+    indices: &'a mut [u32],
+}
+
+/// Sectors looked at together.
+const BLOCK: usize = 64;
+
+impl WithSimd for Part<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Part { spokes, ends, mut sector, first, indices } = self;
+        let mut written = 0;
+        for ends in ends.chunks(BLOCK) {
+            let mut passed = [0; BLOCK];
+            passed.iter_mut().zip(ends).for_each(|(passed, end)| *passed = spokes.passed(*end));
+            for &passed in &passed[..ends.len()] {
+                let passed = (passed as usize).min(spokes.count) - first;
+                match indices.get_mut(written..written + AT_ONCE) {
+                    Some(places) if passed <= written + AT_ONCE => places.fill(sector),
+                    _ => indices[written..passed].fill(sector),
+                }
+                written = passed;
+                sector += 1;
+            }
+        }
+    }
+}
+
+// One draw in each of equal parts (Kitagawa 1996).
+
+/// Draw k falls evenly into part k of `count` equal parts of the wheel.
+fn stratified<R: Rng + ?Sized>(wheel: &Wheel, count: usize, rng: &mut R, indices: &mut Vec<u32>) {
+    let part = wheel.circumference() / count as f64;
+    let last = wheel.last();
+    let ends = wheel.ends();
+    let mut index = 0;
+    indices.extend((0..count).map(|k| {
+        let place = (k as f64 + open(rng)) * part;
+        while index < last && ends[index] <= place {
+            index += 1;
+        }
+        index as u32
+    }));
+}
+
+// The roulette wheel (M8).
+
+/// `count` independent draws, each found by binary search.
+// ANCHOR: roulette
+fn roulette<R: Rng + ?Sized>(wheel: &Wheel, count: usize, rng: &mut R, indices: &mut Vec<u32>) {
+    indices.extend((0..count).map(|_| wheel.index_at(open(rng)) as u32));
+}
+// ANCHOR_END: roulette
+
+// Whole shares first, roulette for what is left (Liu and Chen 1998).
+
+/// Particle i comes `floor(count w_i)` times for certain; the rest is drawn in proportion to the
+/// remainders.
+fn residual<R: Rng + ?Sized>(wheel: &Wheel, count: usize, rng: &mut R, indices: &mut Vec<u32>) {
+    let per_unit = count as f64 / wheel.circumference();
+    let mut remainders = Vec::with_capacity(wheel.len());
+    let (mut before, mut rest) = (0.0, 0.0);
+    for (index, &end) in wheel.ends().iter().enumerate() {
+        let share = (end - before) * per_unit;
+        // A share that rounding left just below a whole number is that number.
+        let copies = (share + 1e-9).floor();
+        indices.extend(std::iter::repeat_n(index as u32, copies as usize));
+        rest += (share - copies).max(0.0);
+        remainders.push(rest);
+        before = end;
+    }
+    indices.truncate(count);
+    let last = wheel.last();
+    while indices.len() < count {
+        let place = open(rng) * rest;
+        let index = remainders.partition_point(|&end| end <= place).min(last);
+        indices.push(index as u32);
+    }
+}
+
+/// When to resample: at every N-th update at the earliest, and then if the weights ask for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct ResamplePolicy {
+    /// Fewest updates from one resampling to the next (`resample_interval`); 0 counts as 1.
+    pub every: usize,
+    /// What the weights must be like.
+    pub when: ResampleWhen,
+}
+
+/// What the weights must be like for resampling.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum ResampleWhen {
+    /// Anything.
+    Always,
+    /// Resampling is switched off.
+    Never,
+    /// The effective sample size is below this share of the particles, in \[0, 1\].
+    EffectiveShareBelow(f64),
+    /// The variance of the weights, in units of the mean weight, is above this. It is 0 for
+    /// equal weights and M - 1 where one particle has them all; 1 means half of the particles
+    /// effective.
+    WeightVarianceAbove(f64),
+}
+
+impl Default for ResamplePolicy {
+    /// At any update that leaves less than half of the particles effective.
+    fn default() -> Self {
+        ResamplePolicy { every: 1, when: ResampleWhen::EffectiveShareBelow(0.5) }
+    }
+}
+
+impl ResamplePolicy {
+    /// Checks the thresholds.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a share outside \[0, 1\] and a negative variance.
+    pub fn validate(&self) -> Result<()> {
+        match self.when {
+            ResampleWhen::Always | ResampleWhen::Never => {}
+            ResampleWhen::EffectiveShareBelow(share) => {
+                let allowed = |share: f64| (0.0..=1.0).contains(&share);
+                in_range("effective share of the particles", "a share in [0, 1]", share, allowed)?;
+            }
+            ResampleWhen::WeightVarianceAbove(variance) => {
+                non_negative("variance of the weights [-]", variance)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether to resample `updates` updates after the last time, with `particles` particles of
+    /// the given effective sample size ([`Particles::effective_sample_size`]).
+    ///
+    /// [`Particles::effective_sample_size`]: crate::Particles::effective_sample_size
+    pub fn is_due(&self, updates: usize, effective_sample_size: f64, particles: usize) -> bool {
+        let particles = particles as f64;
+        let weights_ask = match self.when {
+            ResampleWhen::Always => true,
+            ResampleWhen::Never => false,
+            ResampleWhen::EffectiveShareBelow(share) => effective_sample_size < share * particles,
+            ResampleWhen::WeightVarianceAbove(variance) => {
+                particles > (1.0 + variance) * effective_sample_size
+            }
+        };
+        updates >= self.every && weights_ask
+    }
 }

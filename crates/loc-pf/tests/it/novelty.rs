@@ -8,7 +8,7 @@ use loc_core::sampling::box_muller;
 use loc_core::{Gaussian, Pose2};
 use loc_maps::likelihood_field::LikelihoodFieldSettings;
 use loc_maps::{LikelihoodField, OccupancyGrid, RayCaster};
-use loc_pf::free_space::FreeSpace;
+use loc_pf::initial::FreeSpace;
 use loc_pf::mcl::MountedScan;
 use loc_pf::novelty::{BeliefSample, DistanceFilter, EntropyFilter, Kept, by_casting, by_field};
 use loc_pf::sensor::beam::{BeamLikelihood, BeamModel, BeamModelSettings, telling_beams};
@@ -241,7 +241,7 @@ fn tracked(grid: &OccupancyGrid, blocked: f64, filtered: bool, seed: u64) -> f64
         }
         filter.weigh(&BeamLikelihood::new(&caster, &settings, &mounted, &beams, 0.3).unwrap());
         filter.normalize();
-        let mean = loc_pf::estimate::moments(filter.particles()).pose();
+        let mean = loc_pf::estimate(filter.particles()).pose();
         errors += f64::hypot(mean.x - truth.x, mean.y - truth.y) / 20.0;
         filter.resample(Resampling::Systematic, 400);
     }

@@ -1,6 +1,6 @@
 //! When to resample.
 
-use loc_pf::policy::{ResamplePolicy, ResampleWhen};
+use loc_pf::resample::{ResamplePolicy, ResampleWhen};
 
 fn policy(every: usize, when: ResampleWhen) -> ResamplePolicy {
     ResamplePolicy { every, when }

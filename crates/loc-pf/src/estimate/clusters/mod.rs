@@ -31,20 +31,15 @@
 
 mod blocks;
 mod cells;
-mod modes;
-mod raster;
-mod settings;
-mod summary;
 
-pub use settings::{ClusterSettings, PoseSource};
-
-use super::moments::weighted_moments;
-use crate::{Particles, Result, Workers, log_weights};
-use cells::Cells;
+use super::{Center, FirstSums, SecondSums, sin_cos, weighted_moments};
+use crate::{Particles, Poses, Result, Workers, log_weights};
+use blocks::{Cell, Modes, NOWHERE, Valley};
+use cells::{Cells, Raster};
 use loc_core::Gaussian;
-use modes::{Modes, Valley};
-use raster::Raster;
-use summary::Summary;
+use loc_core::error::{in_range, positive, probability};
+use pulp::{Arch, Simd, WithSimd};
+use std::f64::consts::TAU;
 
 /// One hypothesis about the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,7 +47,7 @@ pub struct Cluster {
     /// Share of the weight of all particles, in (0, 1].
     pub share: f64,
     /// Mean and covariance over (x, y, theta) \[m, m, rad\], as
-    /// [`moments`](super::moments) of its particles.
+    /// [`moments`](crate::estimate) of its particles.
     pub belief: Gaussian<3>,
     /// Number of its particles.
     pub particles: usize,
@@ -117,5 +112,185 @@ impl Clusterer {
             return vec![Cluster { share: 1.0, belief, particles: count }];
         }
         summary.clusters(particles.poses(), weights, cells.of_particles())
+    }
+}
+
+// How clusters are told apart.
+
+/// Settings of a [`Clusterer`](Clusterer).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct ClusterSettings {
+    /// Side of a cell over x and y \[m\]: modes less than two cells apart are one.
+    pub cell: f64,
+    /// Width of a cell over the heading \[rad\], from a 64th of a turn to a third; rounded so that
+    /// a whole number of cells fills a turn.
+    pub heading_cell: f64,
+    /// Two peaks stay apart where the highest way between them falls to this share of the lower
+    /// one, in \[0, 1\]. With 0, only gaps part clusters.
+    pub valley: f64,
+    /// What the reported pose is taken from.
+    pub pose: PoseSource,
+}
+
+/// What a robot takes as its pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum PoseSource {
+    /// Mean and covariance of the heaviest cluster, as in amcl: a place where the robot may be.
+    #[default]
+    HeaviestCluster,
+    /// Mean and covariance of all particles: least squared error, but between two rooms it lies in
+    /// the wall.
+    WholeCloud,
+}
+
+impl Default for ClusterSettings {
+    fn default() -> Self {
+        ClusterSettings {
+            cell: 0.5,
+            heading_cell: TAU / 24.0,
+            valley: 0.25,
+            pose: PoseSource::default(),
+        }
+    }
+}
+
+impl ClusterSettings {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
+    pub fn validate(&self) -> Result<()> {
+        positive("cell of clusters [m]", self.cell)?;
+        let allowed = |width: f64| (TAU / 64.5..=TAU / 2.5).contains(&width);
+        let what = "heading_cell of clusters [rad]";
+        in_range(what, "from 1/64 to 1/3 of a turn", self.heading_cell, allowed)?;
+        probability("valley of clusters", self.valley)?;
+        Ok(())
+    }
+}
+
+// Shares, means and covariances of clusters, from the particles of each.
+
+/// What is added up for each cluster, with memory kept from one cloud to the next.
+#[derive(Debug, Default)]
+struct Summary {
+    /// For each cell its cluster.
+    cluster_of: Vec<u32>,
+    particles: Vec<u32>,
+    first: Vec<FirstSums>,
+    second: Vec<(Center, SecondSums)>,
+    order: Vec<Rank>,
+}
+
+/// What decides on the order of clusters.
+#[derive(Debug, Clone, Copy)]
+struct Rank {
+    weight: f64,
+    particles: u32,
+    cluster: u32,
+}
+
+impl Summary {
+    /// Numbers the clusters in the order of their peaks and counts their particles; cells hang on
+    /// peaks directly.
+    fn number_clusters(&mut self, cells: &[Cell]) {
+        let Summary { cluster_of, particles, .. } = self;
+        cluster_of.clear();
+        cluster_of.resize(cells.len(), 0);
+        particles.clear();
+        for (index, cell) in cells.iter().enumerate() {
+            if cell.parent as usize == index {
+                cluster_of[index] = particles.len() as u32;
+                particles.push(0);
+            }
+        }
+        for (index, cell) in cells.iter().enumerate() {
+            cluster_of[index] = cluster_of[cell.parent as usize];
+            particles[cluster_of[index] as usize] += cell.count;
+        }
+    }
+
+    /// How many particles there are in the only cluster; `None` if there are several, or none.
+    fn only(&self) -> Option<usize> {
+        if let [particles] = self.particles[..] { Some(particles as usize) } else { None }
+    }
+
+    /// The clusters, the heaviest first; `of_particles` are cells, and become clusters.
+    fn clusters(
+        &mut self,
+        poses: Poses<'_>,
+        weights: &[f64],
+        of_particles: &mut [u32],
+    ) -> Vec<Cluster> {
+        self.add_up(poses, weights, of_particles);
+        self.rank();
+        let total: f64 = self.second.iter().map(|(center, _)| center.weight).sum();
+        let cluster = |rank: &Rank| {
+            let (center, second) = &self.second[rank.cluster as usize];
+            let belief = second.gaussian(center);
+            Cluster { share: rank.weight / total, belief, particles: rank.particles as usize }
+        };
+        self.order.iter().map(cluster).collect()
+    }
+
+    fn add_up(&mut self, poses: Poses<'_>, weights: &[f64], of_particles: &mut [u32]) {
+        self.first.clear();
+        self.first.resize(self.particles.len(), FirstSums::default());
+        let parts = poses.chunks(BLOCK).zip(weights.chunks(BLOCK));
+        for ((poses, weights), of_particles) in parts.zip(of_particles.chunks_mut(BLOCK)) {
+            let directions = Arch::new().dispatch(Directions(poses.theta));
+            for (k, place) in of_particles.iter_mut().enumerate().filter(|(_, k)| **k != NOWHERE) {
+                *place = self.cluster_of[*place as usize];
+                let sums = &mut self.first[*place as usize];
+                sums.add(poses.x[k], poses.y[k], directions[k], weights[k]);
+            }
+        }
+        self.second.clear();
+        let centers = self.first.iter().map(|sums| (sums.center(), SecondSums::default()));
+        self.second.extend(centers);
+        let coordinates = poses.x.iter().zip(poses.y).zip(poses.theta).zip(weights);
+        for ((((&x, &y), &theta), &weight), &cluster) in coordinates.zip(&*of_particles) {
+            if cluster != NOWHERE {
+                let (center, sums) = &mut self.second[cluster as usize];
+                sums.add(center, x, y, theta, weight);
+            }
+        }
+    }
+
+    fn rank(&mut self) {
+        let ranks = self.second.iter().zip(&self.particles).enumerate();
+        self.order.clear();
+        self.order.extend(ranks.map(|(cluster, ((center, _), &particles))| Rank {
+            weight: center.weight,
+            particles,
+            cluster: cluster as u32,
+        }));
+        self.order.sort_unstable_by(|a, b| {
+            let heavier = b.weight.total_cmp(&a.weight).then(b.particles.cmp(&a.particles));
+            heavier.then(a.cluster.cmp(&b.cluster))
+        });
+    }
+}
+
+/// Particles whose directions are worked out together.
+const BLOCK: usize = 64;
+
+/// Sines and cosines of some headings.
+struct Directions<'a>(&'a [f64]);
+
+impl WithSimd for Directions<'_> {
+    type Output = [(f64, f64); BLOCK];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut directions = [(0.0, 0.0); BLOCK];
+        for (direction, &heading) in directions.iter_mut().zip(self.0) {
+            *direction = sin_cos(heading);
+        }
+        directions
     }
 }

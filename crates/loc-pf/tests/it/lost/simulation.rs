@@ -10,7 +10,7 @@ use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
 use loc_maps::{LikelihoodField, OccupancyGrid};
 use loc_pf::confidence::{ScanFit, ScanRater, Tolerance};
 use loc_pf::estimate::{ClusterSettings, Clusterer};
-use loc_pf::free_space::FreeSpace;
+use loc_pf::initial::FreeSpace;
 use loc_pf::mcl::MountedScan;
 use loc_pf::motion::DifferentialStep;
 use loc_pf::sensor::FieldLikelihood;

@@ -14,7 +14,7 @@ use crate::output::Illustration;
 use loc_core::Pose2;
 use loc_core::error::non_negative;
 use loc_core::random::stream;
-use loc_pf::policy::{ResamplePolicy, ResampleWhen};
+use loc_pf::resample::{ResamplePolicy, ResampleWhen};
 use loc_pf::{ParticleFilter, Particles, Resampling};
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;

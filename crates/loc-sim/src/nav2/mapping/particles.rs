@@ -5,7 +5,7 @@ use crate::nav2::AmclParameters;
 use crate::nav2::given::{Found, Given};
 use loc_pf::MclSettings;
 use loc_pf::adaptive::{KldCertainty, KldSettings};
-use loc_pf::policy::ResampleWhen;
+use loc_pf::resample::ResampleWhen;
 
 /// Why keys of the plain filter change nothing.
 const BY_DEGREES: &str =

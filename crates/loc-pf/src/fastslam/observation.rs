@@ -1,0 +1,235 @@
+//! One observation held against one landmark of one particle.
+
+use super::FastSlamSettings;
+use loc_core::{Gaussian, Pose2};
+use loc_filters::slam::SlamVerdict;
+use loc_filters::{Error, Gate, Innovation, MeasurementModel, Result};
+use loc_sensors::landmark_camera::Observed;
+use nalgebra::{
+    Matrix1, Matrix2, Matrix2x3, Matrix3x2, Point2, SMatrix, SVector, Vector1, Vector2,
+};
+
+/// Residual, derivatives and noise of distance and direction. A row that was not measured has a
+/// residual and derivatives of zero, so that it tells nothing.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    pub(super) residual: Vector2<f64>,
+    pub(super) by_robot: Matrix2x3<f64>,
+    pub(super) by_landmark: Matrix2<f64>,
+    pub(super) noise: Matrix2<f64>,
+    measured: [bool; 2],
+}
+
+impl Look {
+    /// An observation, from a robot at `pose`, of a landmark believed at `place`.
+    pub(super) fn new(
+        settings: &FastSlamSettings,
+        pose: &nalgebra::Vector3<f64>,
+        place: &Vector2<f64>,
+        sight: Observed,
+    ) -> Self {
+        let model = settings.model(Point2::from(*place));
+        let (expected, mut by_robot) = model.linearize(pose);
+        let measured = [sight.range().is_some(), sight.bearing().is_some()];
+        let seen = Vector2::new(
+            sight.range().unwrap_or(expected.x),
+            sight.bearing().unwrap_or(expected.y),
+        );
+        let mut residual = model.residual(&seen, &expected);
+        for (k, _) in measured.iter().enumerate().filter(|(_, measured)| !**measured) {
+            residual[k] = 0.0;
+            by_robot.row_mut(k).fill(0.0);
+        }
+        // Landmark and robot shifted alike look the same.
+        let by_landmark = -by_robot.fixed_columns::<2>(0);
+        Look { residual, by_robot, by_landmark, noise: model.noise(&expected), measured }
+    }
+
+    /// What the landmark's uncertainty and the sensor's noise make of the residual's covariance,
+    /// for a robot that knows its pose.
+    pub(super) fn apart_from_robot(&self, landmark: &Matrix2<f64>) -> Matrix2<f64> {
+        self.by_landmark * landmark * self.by_landmark.transpose() + self.noise
+    }
+
+    /// The residual held against its covariance, as far as it was measured.
+    pub(super) fn judge(&self, covariance: Matrix2<f64>, gate: &Gate, step: u64) -> Result<Judged> {
+        let one = |k: usize| {
+            let residual = Vector1::new(self.residual[k]);
+            innovation(residual, Matrix1::new(covariance[(k, k)]), gate, step)
+        };
+        Ok(match self.measured {
+            [true, false] => Judged::from(SlamVerdict::Range(one(0)?)),
+            [false, true] => Judged::from(SlamVerdict::Bearing(one(1)?)),
+            _ => Judged::from(SlamVerdict::RangeBearing(innovation(
+                self.residual,
+                covariance,
+                gate,
+                step,
+            )?)),
+        })
+    }
+
+    /// Gain of the pose: `P H^T S^-1`, 3 x 2.
+    pub(super) fn gain(
+        &self,
+        belief: &Gaussian<3>,
+        covariance: &Matrix2<f64>,
+    ) -> Option<Matrix3x2<f64>> {
+        Some(belief.covariance * self.by_robot.transpose() * covariance.try_inverse()?)
+    }
+}
+
+/// A verdict on an observation of a known landmark, and what it says about the particle.
+pub(super) struct Judged {
+    pub(super) verdict: SlamVerdict,
+    pub(super) accepted: bool,
+    /// Logarithm of its likelihood. One that was turned away counts as one at the gate, so that it
+    /// does not pay to turn observations away.
+    pub(super) log_likelihood: f64,
+}
+
+impl From<SlamVerdict> for Judged {
+    fn from(verdict: SlamVerdict) -> Self {
+        fn weigh<const M: usize>(innovation: &Innovation<M>) -> (bool, f64) {
+            let surplus = (innovation.nis - innovation.threshold).max(0.0);
+            let surplus = if surplus.is_finite() { surplus } else { 0.0 };
+            (innovation.accepted, innovation.log_likelihood() + 0.5 * surplus)
+        }
+        let (accepted, log_likelihood) = match &verdict {
+            SlamVerdict::RangeBearing(innovation) => weigh(innovation),
+            SlamVerdict::Range(innovation) | SlamVerdict::Bearing(innovation) => weigh(innovation),
+            _ => (true, 0.0),
+        };
+        Judged { verdict, accepted, log_likelihood }
+    }
+}
+
+/// Holds a residual against its covariance.
+fn innovation<const M: usize>(
+    residual: SVector<f64, M>,
+    covariance: SMatrix<f64, M, M>,
+    gate: &Gate,
+    step: u64,
+) -> Result<Innovation<M>> {
+    let lost = || Error::LostPositivity {
+        what: "covariance of an innovation",
+        step,
+        found: format!("{:?}", covariance.as_slice()),
+    };
+    let factor = loc_core::gaussian::cholesky("covariance of an innovation", &covariance);
+    let factor = factor.map_err(|_| lost())?;
+    let whitened = factor.l_dirty().solve_lower_triangular(&residual).ok_or_else(lost)?;
+    let nis = whitened.norm_squared();
+    if !nis.is_finite() {
+        return Err(lost());
+    }
+    let determinant = factor.l_dirty().diagonal().iter().map(|d| d * d).product();
+    let threshold = gate.threshold(M);
+    let accepted = nis <= threshold;
+    Ok(Innovation { residual, covariance, determinant, whitened, nis, threshold, accepted })
+}
+
+/// An observation with distance and direction, and where a robot that is right about itself would put
+/// its landmark.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub(super) range: f64,
+    pub(super) bearing: f64,
+    /// In the map \[m\], with what the sensor alone leaves open.
+    pub(super) position: Gaussian<2>,
+}
+
+impl Place {
+    /// Nearer than this \[m\] a landmark has no direction.
+    const NEAREST: f64 = 1e-3;
+
+    /// `None` for an observation that has no place.
+    pub(super) fn new(settings: &FastSlamSettings, pose: Pose2, sight: Observed) -> Option<Self> {
+        let Observed::RangeBearing { range, bearing } = sight else { return None };
+        if range < Self::NEAREST {
+            return None;
+        }
+        let camera = pose * settings.mounting;
+        let (sin, cos) = bearing.sin_cos();
+        let mean = camera.transform(&Point2::new(range * cos, range * sin)).coords;
+        let sigmas = settings.observation_variances(range).map(f64::sqrt);
+        let (sin, cos) = (camera.theta + bearing).sin_cos();
+        let (along, across) = (sigmas.x, sigmas.y * range);
+        let axes = Matrix2::new(along * cos, -across * sin, along * sin, across * cos);
+        let position = Gaussian { mean, covariance: axes * axes.transpose() };
+        Some(Place { range, bearing, position })
+    }
+}
+
+// How far the camera has been seen to see.
+
+/// The part of the surroundings that the camera sees. Landmarks well within it should be seen
+/// again.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct View {
+    range: f64,
+    bearing: f64,
+}
+
+impl View {
+    /// The part of the view in which a landmark should be seen.
+    const MIDDLE: f64 = 0.7;
+    /// The least that a camera is taken to see \[m, rad\].
+    const MIN_RANGE: f64 = 1.0;
+    const MIN_BEARING: f64 = 0.25;
+    /// A provisional landmark that is farther away than this, in ranges, has had its chance.
+    const GONE: f64 = 1.5;
+
+    pub(super) fn include(&mut self, place: &Place) {
+        self.range = self.range.max(place.range);
+        self.bearing = self.bearing.max(place.bearing.abs());
+    }
+
+    /// Density in distance and direction of something new that is anywhere in the view, where a
+    /// observation at distance `range` \[m\] was: in polar coordinates far things are denser.
+    pub(super) fn density(&self, range: f64) -> f64 {
+        let (farthest, widest) =
+            (self.range.max(Self::MIN_RANGE), self.bearing.max(Self::MIN_BEARING));
+        range / (farthest * farthest * widest)
+    }
+
+    pub(super) fn should_see(&self, from_camera: &Point2<f64>) -> bool {
+        from_camera.coords.norm() < Self::MIDDLE * self.range
+            && from_camera.y.atan2(from_camera.x).abs() < Self::MIDDLE * self.bearing
+    }
+
+    pub(super) fn has_left(&self, from_camera: &Point2<f64>) -> bool {
+        from_camera.coords.norm() > Self::GONE * self.range
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn jacobians_are_the_slopes_of_the_residual() {
+        let mounting = Pose2::new(0.2, -0.1, 0.4);
+        let settings = FastSlamSettings { mounting, ..FastSlamSettings::default() };
+        let (pose, place) = (Vector3::new(1.0, -2.0, 0.7), Vector2::new(3.1, 0.4));
+        let sight = Observed::RangeBearing { range: 2.0, bearing: 0.3 };
+        let at = |pose: Vector3<f64>, place| Look::new(&settings, &pose, &place, sight);
+        let (look, step) = (at(pose, place), 1e-6);
+        for k in 0..3 {
+            let mut shift = Vector3::zeros();
+            shift[k] = step;
+            let [a, b] = [at(pose + shift, place), at(pose - shift, place)];
+            // The residual falls as the expectation rises.
+            let slope = (b.residual - a.residual) / (2.0 * step);
+            assert!((slope - look.by_robot.column(k)).norm() < 1e-8, "{k}");
+        }
+        for k in 0..2 {
+            let mut shift = Vector2::zeros();
+            shift[k] = step;
+            let [a, b] = [at(pose, place + shift), at(pose, place - shift)];
+            let slope = (b.residual - a.residual) / (2.0 * step);
+            assert!((slope - look.by_landmark.column(k)).norm() < 1e-8, "{k}");
+        }
+    }
+}

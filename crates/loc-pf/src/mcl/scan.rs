@@ -1,0 +1,188 @@
+//! Scans, made ready to rate poses.
+
+use super::{MclSettings, NoveltyFilter, SensorSettings, Weighting};
+use crate::initial::FreeSpace;
+use crate::novelty::{BeliefSample, by_field};
+use crate::sensor::beam::{telling_beams_from, thinned};
+use crate::sensor::{BeamLikelihood, FieldLikelihood, SumOfCubes};
+use crate::{Likelihood, Particles, Poses, Result};
+use loc_core::Pose2;
+use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
+use loc_maps::{GlobalSearch, LikelihoodField, OccupancyGrid, RayCaster, SearchSettings};
+use loc_sensors::laser::{Beam, LaserScan};
+use nalgebra::Point2;
+
+/// A scan with the place of its scanner on the robot.
+#[derive(Debug, Clone, Copy)]
+pub struct MountedScan<'a> {
+    /// The scan.
+    pub scan: &'a LaserScan,
+    /// Where the scanner sits (`base_from_laser`).
+    pub mounting: Pose2,
+}
+
+/// Scans that were made at one moment, ready to rate poses.
+pub(super) enum Observation<'a> {
+    Product(FieldLikelihood<'a>),
+    SumOfCubes(Box<SumOfCubes<'a>>),
+    Beams(Vec<BeamLikelihood<'a>>),
+}
+
+impl Likelihood for Observation<'_> {
+    fn rate(&self, poses: Poses<'_>, log_weights: &mut [f64]) {
+        match self {
+            Observation::Product(scan) => scan.rate(poses, log_weights),
+            Observation::SumOfCubes(scan) => scan.rate(poses, log_weights),
+            Observation::Beams(scans) => {
+                scans.iter().for_each(|scan| scan.rate(poses, log_weights));
+            }
+        }
+    }
+}
+
+/// Numbers of the beams of a scan to use: valid ones within the settings' ranges for the likelihood
+/// field, also those without a return for the beam model; thinned after the others are dropped.
+pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
+    match settings.sensor {
+        SensorSettings::Beam(_) => {
+            let nearest = settings.min_range.max(scan.range_min);
+            telling_beams_from(scan, nearest, settings.beams)
+        }
+        SensorSettings::LikelihoodField(_) => {
+            let range = settings.min_range..=settings.max_range;
+            // What reports its greatest range has met nothing.
+            let returned = |beam: &Beam| beam.range < scan.range_max;
+            let beams = scan.beams().filter(|beam| range.contains(&beam.range) && returned(beam));
+            thinned(beams.map(|beam| beam.index).collect(), settings.beams)
+        }
+    }
+}
+
+/// Where the chosen beams of all scans end, in the robot's frame, if all ranges are `offset` \[m\]
+/// longer than measured.
+pub(super) fn endpoints(scans: &[MountedScan<'_>], beams: &[Vec<usize>], offset: f64) -> Endpoints {
+    let ends = scans.iter().zip(beams).flat_map(|(mounted, beams)| {
+        let returned = beams.iter().map(|&index| (index, mounted.scan.ranges[index]));
+        let returned = returned.filter(|(_, range)| mounted.scan.is_valid(*range));
+        returned.map(|(index, range)| {
+            let range = (range + offset).max(0.0);
+            let beam = Beam { index, angle: mounted.scan.angle(index), range };
+            mounted.mounting.transform(&beam.point())
+        })
+    });
+    ends.map(|Point2 { coords }| [coords.x, coords.y]).collect()
+}
+
+// What is known of the map, made ready for the sensor model and for searches.
+
+/// The map as the filter uses it; nothing of it changes.
+#[derive(Debug)]
+pub(super) struct Surroundings {
+    pub(super) free_space: FreeSpace,
+    pub(super) field: LikelihoodField,
+    /// The obstacles, where the beam model or the distance filter needs them.
+    caster: Option<RayCaster>,
+    pub(super) search: Option<GlobalSearch>,
+}
+
+/// Places that a search answers with.
+const PLACES: usize = 64;
+
+/// Poses that stand for the cloud when beams are filtered.
+const SAMPLE: usize = 64;
+
+impl Surroundings {
+    pub(super) fn new(map: &OccupancyGrid, settings: &MclSettings) -> Result<Self> {
+        let free_space = FreeSpace::new(map)?;
+        let field = as_wide_as_cells(settings.sensor.field(), map);
+        let casts = matches!(settings.sensor, SensorSettings::Beam(_))
+            || matches!(settings.novelty, Some(NoveltyFilter::Distance(_)));
+        let search = settings.recovery.search.then(|| search(map, &field)).transpose()?;
+        let field = LikelihoodField::new(map, &field)?;
+        Ok(Surroundings { free_space, field, caster: casts.then(|| RayCaster::new(map)), search })
+    }
+
+    /// Where a scan fits best, over the whole map; none without a search, or for a scan that says
+    /// nothing.
+    pub(super) fn places(&self, endpoints: &Endpoints) -> Vec<Pose2> {
+        let found = self.search.as_ref().and_then(|search| search.search(endpoints).ok());
+        found.into_iter().flatten().map(|place| place.pose).collect()
+    }
+
+    /// The chosen beams without those that a filter against people drops (K3), for a robot at
+    /// `predicted`.
+    pub(super) fn familiar(
+        &self,
+        scans: &[MountedScan<'_>],
+        beams: Vec<Vec<usize>>,
+        predicted: &Particles,
+        filter: &NoveltyFilter,
+    ) -> Result<Vec<Vec<usize>>> {
+        let sample = BeliefSample::of(predicted, SAMPLE);
+        let pairs = scans.iter().zip(beams);
+        let kept = pairs.map(|(mounted, beams)| {
+            let kept = match (filter, &self.caster) {
+                (NoveltyFilter::Distance(filter), Some(caster)) => {
+                    filter.keep(caster, &sample, mounted, &beams)
+                }
+                (NoveltyFilter::Entropy(filter), _) => {
+                    filter.keep(by_field(&self.field), &sample, mounted, &beams)
+                }
+                (NoveltyFilter::Distance(_), None) => return Ok(beams),
+            };
+            Ok(kept?.beams)
+        });
+        kept.collect()
+    }
+
+    /// Makes scans ready, whose chosen beams end at `endpoints`.
+    pub(super) fn observe<'a>(
+        &'a self,
+        scans: &[MountedScan<'_>],
+        beams: &[Vec<usize>],
+        endpoints: &'a Endpoints,
+        settings: &MclSettings,
+    ) -> Result<Observation<'a>> {
+        let used: usize = beams.iter().map(Vec::len).sum();
+        let exponent = (settings.independent_beams / used.max(1) as f64).min(1.0);
+        Ok(match (&settings.sensor, &self.caster) {
+            (SensorSettings::Beam(model), Some(caster)) => {
+                let rate = |(mounted, beams): (&MountedScan<'_>, &Vec<usize>)| {
+                    BeamLikelihood::new(caster, model, mounted, beams, exponent)
+                };
+                Observation::Beams(scans.iter().zip(beams).map(rate).collect::<Result<_>>()?)
+            }
+            (SensorSettings::LikelihoodField(field), _)
+                if field.weighting == Weighting::SumOfCubes =>
+            {
+                Observation::SumOfCubes(Box::new(SumOfCubes::new(&self.field, endpoints)))
+            }
+            _ => Observation::Product(FieldLikelihood { field: &self.field, endpoints, exponent }),
+        })
+    }
+}
+
+/// The search of a map, on a field that forgives the steps of the search.
+fn search(map: &OccupancyGrid, field: &LikelihoodFieldSettings) -> Result<GlobalSearch> {
+    let sigma_hit = field.sigma_hit.max(0.15).max(2.0 * map.frame().resolution());
+    let field = LikelihoodField::new(map, &LikelihoodFieldSettings { sigma_hit, ..*field })?;
+    let settings = SearchSettings {
+        candidates: PLACES,
+        separation_distance: 0.5,
+        separation_angle: 15_f64.to_radians(),
+        within: 0.5,
+        refine: false,
+        ..SearchSettings::default()
+    };
+    Ok(GlobalSearch::new(map, field, settings)?)
+}
+
+/// A field cannot be sharper than the map: a map of coarse cells is coarse in its walls as well.
+/// 0.05 m suits cells of 0.05 m, 0.2 m those of 0.1 m.
+fn as_wide_as_cells(
+    field: LikelihoodFieldSettings,
+    map: &OccupancyGrid,
+) -> LikelihoodFieldSettings {
+    let least = 20.0 * map.resolution().powi(2);
+    LikelihoodFieldSettings { sigma_hit: field.sigma_hit.max(least), ..field }
+}

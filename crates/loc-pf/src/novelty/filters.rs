@@ -1,0 +1,228 @@
+//! Beams that are shorter than the map lets expect.
+
+use super::{BeliefSample, Kept, without};
+use crate::Result;
+use crate::mcl::MountedScan;
+use crate::sensor::beam::reading;
+use loc_core::Normal;
+use loc_core::error::{non_negative, positive, probability};
+use loc_maps::RayCaster;
+use nalgebra::Point2;
+
+/// Drops a beam that is, averaged over the belief, shorter than expected with more than a given
+/// probability (K3): something that is on no map stands in its way.
+///
+/// A beam of range d is shorter than expected with `P(d < d* + e)`, e of `N(0, sigma_hit^2)`,
+/// where the map lets expect d*; with 1 where it lets expect nothing. Beams without a return are
+/// never dropped. What keeps it from throwing away what is needed:
+///
+/// * with a wide belief (global localization) a beam is dropped only where it is too short nearly
+///   everywhere the robot may be;
+/// * where more than `max_dropped` of the beams are too short, the belief is wrong rather than
+///   the room full, and all are kept;
+/// * beams that are too long are kept always, and tell a robot at a wrong place that it is lost;
+/// * in a room as mapped a beam has to be too short by 2.3 `sigma_hit` at all poses, which noise
+///   and a cloud off by less hardly do.
+///
+/// A few rays are cast for a beam that is kept, one for each pose of the sample for a dropped one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct DistanceFilter {
+    /// The probability from which on a beam is dropped.
+    pub threshold: f64,
+    /// Standard deviation of what measures the obstacle of the map \[m\].
+    pub sigma_hit: f64,
+    /// The largest share of the beams that is dropped.
+    pub max_dropped: f64,
+}
+
+impl Default for DistanceFilter {
+    fn default() -> Self {
+        DistanceFilter { threshold: 0.99, sigma_hit: 0.2, max_dropped: 0.8 }
+    }
+}
+
+impl DistanceFilter {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
+    pub fn validate(&self) -> Result<()> {
+        probability("threshold of the distance filter", self.threshold)?;
+        positive("sigma_hit of the distance filter [m]", self.sigma_hit)?;
+        probability("largest share that the distance filter drops", self.max_dropped)?;
+        Ok(())
+    }
+
+    /// Which of the beams numbered `beams` to keep. Without a sample, all of them.
+    ///
+    /// # Errors
+    /// Those of [`validate`](Self::validate).
+    pub fn keep(
+        &self,
+        caster: &RayCaster,
+        sample: &BeliefSample,
+        mounted: &MountedScan<'_>,
+        beams: &[usize],
+    ) -> Result<Kept> {
+        self.validate()?;
+        let mut suspects = suspects(mounted, beams);
+        let frame = caster.frame();
+        // Pose by pose: the first one clears most beams.
+        for (pose, weight) in sample.poses().iter().zip(sample.weights()) {
+            let laser = *pose * mounted.mounting;
+            let (sin, cos) = laser.theta.sin_cos();
+            let (start, [cos, sin]) =
+                (frame.to_cells(&laser.position()), frame.turn_to_grid([cos, sin]));
+            suspects.retain_mut(|suspect| {
+                let [x, y] = suspect.direction;
+                let along = [cos * x - sin * y, sin * x + cos * y];
+                let far = (suspect.range + FAR * self.sigma_hit) / frame.resolution();
+                let length = caster.cast_in_cells([start.x, start.y], along, far);
+                let expected = length.map(|length| length * frame.resolution());
+                suspect.not_short += weight * self.not_short(expected, suspect.range);
+                suspect.not_short < 1.0 - self.threshold
+            });
+        }
+        let mut is_novel = vec![false; beams.len()];
+        if !sample.poses().is_empty() {
+            suspects.iter().for_each(|suspect| is_novel[suspect.index] = true);
+        }
+        Ok(without(beams, &is_novel, self.max_dropped))
+    }
+
+    /// The probability that a range is not shorter than the expected one, `None` for one that is
+    /// farther away than matters.
+    fn not_short(&self, expected: Option<f64>, range: f64) -> f64 {
+        let deviation = |expected| (range - expected) / self.sigma_hit;
+        expected.map_or(0.0, |expected| Normal::STANDARD.cdf(deviation(expected)))
+    }
+}
+
+/// Where the obstacle is this much farther away than the beam says, it does not matter how far
+/// \[sigma_hit\].
+const FAR: f64 = 8.0;
+
+/// A beam that no pose has explained so far.
+struct Suspect {
+    /// Its place in the list of beams.
+    index: usize,
+    /// Its direction in the laser's frame, a unit vector.
+    direction: [f64; 2],
+    range: f64,
+    /// The probability so far that it is not too short.
+    not_short: f64,
+}
+
+/// The beams that returned from somewhere.
+fn suspects(mounted: &MountedScan<'_>, beams: &[usize]) -> Vec<Suspect> {
+    let scan = mounted.scan;
+    let suspect = |(index, &beam): (usize, &usize)| {
+        let range = reading(scan, beam, scan.range_max).filter(|range| range.is_finite())?;
+        let (sin, cos) = scan.angle(beam).sin_cos();
+        Some(Suspect { index, direction: [cos, sin], range, not_short: 0.0 })
+    };
+    beams.iter().enumerate().filter_map(suspect).collect()
+}
+
+// Beams that would make the robot less sure.
+
+/// Drops a beam after which the belief would be less certain than before (K3): its entropy
+/// `H = -integral b ln b` rises.
+///
+/// A beam that fits the belief sharpens it. One that hits a person moves weight to the edge of the
+/// belief, or to places that were all but ruled out. So does a beam that rightly tells the robot
+/// that it is somewhere else: with this filter alone a kidnapped robot stays lost. Where more than
+/// `max_dropped` of the beams raise the entropy, all are kept.
+///
+/// Of the density before the beam, the Gaussian with the sample's mean and covariance is taken;
+/// what the beam makes of it is counted over the sample, whatever its shape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct EntropyFilter {
+    /// A rise up to this is let through \[nat\]: with a few poses the entropies are uncertain.
+    pub tolerance: f64,
+    /// The largest share of the beams that is dropped.
+    pub max_dropped: f64,
+}
+
+impl Default for EntropyFilter {
+    fn default() -> Self {
+        EntropyFilter { tolerance: 0.01, max_dropped: 0.8 }
+    }
+}
+
+impl EntropyFilter {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
+    pub fn validate(&self) -> Result<()> {
+        non_negative("tolerance of the entropy filter [nat]", self.tolerance)?;
+        probability("largest share that the entropy filter drops", self.max_dropped)?;
+        Ok(())
+    }
+
+    /// Which of the beams numbered `beams` to keep, those that say nothing included. `rating` is
+    /// the logarithm of the likelihood of a beam, as [`by_field`](super::by_field) or
+    /// [`by_casting`](super::by_casting) give it.
+    ///
+    /// # Errors
+    /// Those of [`validate`](Self::validate).
+    pub fn keep(
+        &self,
+        rating: impl Fn(Point2<f64>, [f64; 2], f64) -> f64,
+        sample: &BeliefSample,
+        mounted: &MountedScan<'_>,
+        beams: &[usize],
+    ) -> Result<Kept> {
+        self.validate()?;
+        let mounting = mounted.mounting;
+        let lasers: Vec<(Point2<f64>, [f64; 2])> = sample
+            .poses()
+            .iter()
+            .map(|pose| {
+                let laser = *pose * mounting;
+                let (sin, cos) = laser.theta.sin_cos();
+                (laser.position(), [cos, sin])
+            })
+            .collect();
+        let prior = sample.log_densities();
+        let mut ratings = vec![0.0; lasers.len()];
+        let mut raises = |beam: usize| {
+            let max_range = mounted.scan.range_max;
+            let Some(range) = reading(mounted.scan, beam, max_range) else { return false };
+            let (y, x) = mounted.scan.angle(beam).sin_cos();
+            for (rated, (laser, [cos, sin])) in ratings.iter_mut().zip(&lasers) {
+                *rated = rating(*laser, [cos * x - sin * y, sin * x + cos * y], range);
+            }
+            change(&prior, sample.weights(), &ratings) > self.tolerance
+        };
+        let is_novel: Vec<bool> = beams.iter().map(|&beam| raises(beam)).collect();
+        Ok(without(beams, &is_novel, self.max_dropped))
+    }
+}
+
+/// How much the entropy of a belief b rises by a measurement of likelihood p. After it the belief
+/// is `b p / Z`, so that its entropy is the mean of `ln Z - ln b - ln p` over the new weights
+/// `w p / Z`; before, that of `-ln b` over w.
+// ANCHOR: entropy
+fn change(prior: &[f64], weights: &[f64], ratings: &[f64]) -> f64 {
+    let largest = ratings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if !largest.is_finite() {
+        return 0.0;
+    }
+    let (mut total, mut before, mut after) = (0.0, 0.0, 0.0);
+    for ((log_density, weight), rating) in prior.iter().zip(weights).zip(ratings) {
+        let rating = rating - largest;
+        let new = weight * rating.exp();
+        total += new;
+        before -= weight * log_density;
+        // A weight of 0 counts for nothing, even with a rating of -inf.
+        after -= if new > 0.0 { new * (log_density + rating) } else { 0.0 };
+    }
+    after / total + total.ln() - before
+}
+// ANCHOR_END: entropy
