@@ -247,8 +247,8 @@ impl<F: Sequential> Localizer for Delayed<F> {
         self.newest.particle_count()
     }
 
-    fn particles(&self, max: usize) -> Option<ParticleSet> {
-        self.newest.particles(max)
+    fn particle_set(&self, max: usize) -> Option<ParticleSet> {
+        self.newest.particle_set(max)
     }
 
     fn grid_belief(&self) -> Option<GridBelief> {

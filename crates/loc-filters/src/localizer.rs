@@ -89,7 +89,7 @@ pub trait Localizer {
     }
 
     /// Some of the particles, evenly thinned to at most `max`; `None` for a method without any.
-    fn particles(&self, _max: usize) -> Option<ParticleSet> {
+    fn particle_set(&self, _max: usize) -> Option<ParticleSet> {
         None
     }
 

@@ -13,20 +13,6 @@ pub enum Error {
     /// From the filters that particles are made of.
     #[error(transparent)]
     Filter(#[from] loc_filters::Error),
-    /// An input belongs to a time older than the history that the filter keeps.
-    #[error(
-        "{what} at {stamp} s: expected at most {horizon} s before {newest} s, the newest input"
-    )]
-    TooLate {
-        /// The input.
-        what: &'static str,
-        /// Its time \[s\].
-        stamp: f64,
-        /// Time of the newest input \[s\].
-        newest: f64,
-        /// How far back the filter keeps its history \[s\].
-        horizon: f64,
-    },
     /// An initial pose that is not on the map.
     #[error("start pose: expected one on the map, got x = {x} m, y = {y} m")]
     OffMap {
@@ -43,6 +29,18 @@ pub enum Error {
         /// The system's message.
         reason: String,
     },
+}
+
+/// So that localizers of this crate can implement [`loc_filters::Localizer`].
+impl From<Error> for loc_filters::Error {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Core(error) => error.into(),
+            Error::Maps(error) => error.into(),
+            Error::Filter(error) => error,
+            other => loc_filters::Error::Other(Box::new(other)),
+        }
+    }
 }
 
 /// Shorthand for results of this crate.

@@ -41,6 +41,15 @@ pub struct Weighing {
     pub effective_sample_size: f64,
 }
 
+/// A copy has the particles and the generator; buffers and the particles before the last resampling
+/// are not copied.
+impl Clone for ParticleFilter {
+    fn clone(&self) -> Self {
+        ParticleFilter::new(self.particles.clone(), self.rng.clone())
+            .with_workers(self.workers.clone())
+    }
+}
+
 impl ParticleFilter {
     /// A filter that starts from a cloud and draws from `rng`, on the calling thread.
     pub fn new(particles: Particles, rng: ChaCha8Rng) -> Self {

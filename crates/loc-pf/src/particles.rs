@@ -107,6 +107,12 @@ impl<'a> PosesMut<'a> {
 }
 
 impl Particles {
+    /// Every k-th particle with its weight, at most `max` of them.
+    pub fn thinned(&self, max: usize) -> Vec<(Pose2, f64)> {
+        let step = self.len().div_ceil(max.max(1)).max(1);
+        self.poses().iter().zip(self.weights()).step_by(step).collect()
+    }
+
     /// A cloud without particles.
     pub fn new() -> Self {
         Particles::default()

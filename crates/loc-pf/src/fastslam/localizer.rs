@@ -1,150 +1,112 @@
-//! FastSLAM on the stamps of real sensors.
+//! FastSLAM on time-stamped inputs.
 
 use super::{FastSlam, FastSlamSettings, finite_twist};
-use crate::{Particles, Result};
+use crate::Result;
 use loc_core::motion::dead_reckon;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Twist2};
-use loc_filters::delayed::{DelayedFilter, Step};
-use loc_filters::slam::{MapLandmark, SlamOutcome};
-use loc_sensors::landmark_camera::LandmarkObservation;
+use loc_filters::delayed::{Clock, Sequential};
+use loc_filters::localizer::{
+    Estimate, EstimatedMap, Localizer, Outcome, ParticleSet, observed_position,
+};
+use loc_filters::slam::Identities;
+use loc_sensors::event::{Control, Measurement};
 
-/// FastSLAM over stamped inputs, in order or late.
+/// FastSLAM over time-stamped inputs in order; [`Delayed`](loc_filters::delayed::Delayed) around it
+/// takes late ones, with copies that share their maps.
 ///
-/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
-/// several at one stamp, up to a horizon late, or not at all: the result is the same as if all had
-/// come in order. For late ones the filter is kept as it was before every input within the horizon;
-/// these copies share their maps.
+/// A velocity holds from its stamp until the next one. Observations may come between velocities,
+/// several at one stamp, or not at all.
 #[derive(Debug, Clone)]
 pub struct FastSlamLocalizer {
-    filter: DelayedFilter<Held>,
-}
-
-/// The filter at the stamp of its last input, with the velocity that it drives on with.
-#[derive(Debug, Clone)]
-struct Held {
     slam: FastSlam,
-    stamp: f64,
+    clock: Clock,
     twist: Twist2,
 }
 
-/// What the localizer is given.
-#[derive(Debug, Clone)]
-enum Input {
-    Velocity(Twist2),
-    LandmarkObservations(Vec<LandmarkObservation>),
-}
-
 impl FastSlamLocalizer {
-    /// A localizer that stands still at `stamp` \[s\] with a belief over (x, y, theta), and takes
-    /// inputs up to `horizon` \[s\] late.
+    /// A localizer without a map that stands still at `stamp` \[s\] with a belief over (x, y, theta).
     ///
     /// # Errors
-    /// [`loc_core::Error`] for a belief, a stamp, a horizon or settings that are not valid.
+    /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
     pub fn new(
         settings: FastSlamSettings,
         stamp: f64,
         start: Gaussian<3>,
-        horizon: f64,
         rng: ChaCha8Rng,
     ) -> Result<Self> {
-        let stamp = loc_core::error::finite("start time [s]", stamp)?;
+        let clock = Clock::starting_at(stamp)?;
         let slam = FastSlam::new(start, settings, rng)?;
-        let held = Held { slam, stamp, twist: Twist2::ZERO };
-        Ok(FastSlamLocalizer { filter: DelayedFilter::new(held, horizon)? })
+        Ok(FastSlamLocalizer { slam, clock, twist: Twist2::ZERO })
     }
 
-    /// The velocity from `stamp` \[s\] on.
-    ///
-    /// # Errors
-    /// [`loc_filters::Error::TooLate`], and [`loc_filters::Error::NotFinite`] for the velocity.
-    pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
-        self.filter.input("velocity", stamp, Input::Velocity(twist))?;
+    /// The filter after the last input.
+    pub fn slam(&self) -> &FastSlam {
+        &self.slam
+    }
+
+    fn predict_to(&mut self, what: &'static str, stamp: f64) -> loc_filters::Result<()> {
+        let dt = self.clock.advance(what, stamp)?;
+        if dt > 0.0 {
+            self.slam.predict(self.twist, dt)?;
+        }
+        Ok(())
+    }
+}
+
+impl Localizer for FastSlamLocalizer {
+    fn predict(&mut self, stamp: f64, control: &Control) -> loc_filters::Result<()> {
+        let Control::Velocity(twist) = control else { return Ok(()) };
+        finite_twist(*twist)?;
+        self.predict_to("velocity", stamp)?;
+        self.twist = *twist;
         Ok(())
     }
 
-    /// Any number of landmarks seen at `stamp` \[s\]; the answer has one outcome for each.
-    ///
-    /// # Errors
-    /// [`loc_filters::Error::TooLate`], and what [`FastSlam::correct`] refuses.
-    pub fn observations(
+    fn correct(
         &mut self,
         stamp: f64,
-        observations: &[LandmarkObservation],
-    ) -> Result<Vec<SlamOutcome>> {
-        Ok(self.filter.input(
-            "observations",
-            stamp,
-            Input::LandmarkObservations(observations.to_vec()),
-        )?)
-    }
-
-    /// The belief about the robot at a time \[s\]: predicted from the last input before it.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite,
-    /// [`loc_filters::Error::LostPositivity`].
-    pub fn estimate(&self, stamp: f64) -> Result<Gaussian<3>> {
-        loc_core::error::finite("stamp [s]", stamp)?;
-        let held = self.filter.at(stamp);
-        let pose = held.slam.pose()?;
-        if stamp <= held.stamp {
-            return Ok(pose);
+        measurement: &Measurement,
+    ) -> loc_filters::Result<Vec<Outcome>> {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
+        for observation in observations {
+            observation.sight.check()?;
         }
-        let FastSlamSettings { integration, motion_noise, .. } = held.slam.settings();
-        Ok(dead_reckon(&pose, held.twist, stamp - held.stamp, *integration, motion_noise))
+        self.predict_to("observations", stamp)?;
+        let mut outcomes = self.slam.correct(observations)?;
+        let camera = self.slam.pose()?.pose() * self.slam.settings().mounting;
+        for (outcome, observation) in outcomes.iter_mut().zip(observations) {
+            outcome.observed_at = observed_position(camera, observation);
+        }
+        Ok(outcomes)
     }
 
-    /// The landmarks after the newest input; see [`FastSlam::landmarks`].
-    ///
-    /// # Errors
-    /// [`loc_filters::Error::LostPositivity`].
-    pub fn landmarks(&self) -> Result<Vec<MapLandmark>> {
-        self.newest().landmarks()
+    fn estimate(&self, stamp: f64) -> loc_filters::Result<Estimate> {
+        let dt = self.clock.until(loc_core::error::finite("stamp [s]", stamp)?);
+        let pose = self.slam.pose()?;
+        if dt <= 0.0 {
+            return Ok(pose.into());
+        }
+        let FastSlamSettings { integration, motion_noise, .. } = self.slam.settings();
+        Ok(dead_reckon(&pose, self.twist, dt, *integration, motion_noise).into())
     }
 
-    /// The poses of the particles with their weights, after the newest input.
-    pub fn particles(&self) -> Particles {
-        self.newest().particles()
+    fn particle_count(&self) -> usize {
+        self.slam.settings().particles
     }
 
-    /// The filter after the newest input.
-    pub fn newest(&self) -> &FastSlam {
-        &self.filter.newest().slam
+    fn particle_set(&self, max: usize) -> Option<ParticleSet> {
+        Some(ParticleSet { particles: self.slam.particles().thinned(max), weighted: None })
+    }
+
+    fn map(&self) -> loc_filters::Result<Option<EstimatedMap>> {
+        let known_association = self.slam.settings().identities == Identities::Known;
+        Ok(Some(EstimatedMap { known_association, landmarks: self.slam.landmarks()? }))
     }
 }
 
-impl Step for Held {
-    type Input = Input;
-    type Report = Vec<SlamOutcome>;
-
-    fn step(&mut self, stamp: f64, input: &Input) -> loc_filters::Result<Vec<SlamOutcome>> {
-        // Inputs from before the start belong to the start.
-        let dt = (stamp - self.stamp).max(0.0);
-        let before = self.clone();
-        match self.take(dt, input) {
-            Ok(outcomes) => Ok(outcomes),
-            Err(error) => {
-                *self = before;
-                Err(error)
-            }
-        }
-    }
-}
-
-impl Held {
-    fn take(&mut self, dt: f64, input: &Input) -> loc_filters::Result<Vec<SlamOutcome>> {
-        if dt > 0.0 {
-            self.slam.drive(self.twist, dt)?;
-        }
-        self.stamp += dt;
-        match input {
-            Input::Velocity(twist) => {
-                finite_twist(*twist)?;
-                self.twist = *twist;
-                Ok(Vec::new())
-            }
-            Input::LandmarkObservations(observations) => self.slam.take_in(observations),
-        }
+impl Sequential for FastSlamLocalizer {
+    fn uses(&self, measurement: &Measurement) -> bool {
+        matches!(measurement, Measurement::Landmarks(_))
     }
 }

@@ -55,7 +55,8 @@ use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Pose2, Twist2, angle};
 use loc_filters::Gate;
 use loc_filters::association::{AssociationSettings, Associator};
-use loc_filters::slam::{Identities, MapLandmark, SlamOutcome};
+use loc_filters::localizer::Outcome;
+use loc_filters::slam::{Identities, MapLandmark};
 use loc_sensors::landmark_camera::LandmarkObservation;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use observation::{Place, View};
@@ -187,14 +188,14 @@ impl FastSlam {
     /// [`loc_core::Error::OutOfRange`] for an observation that is not finite or has a negative range:
     /// none is then used. [`loc_filters::Error::LostPositivity`], with the step: the filter cannot
     /// go on.
-    pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<SlamOutcome>> {
+    pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<Outcome>> {
         Ok(self.take_in(observations)?)
     }
 
     fn take_in(
         &mut self,
         observations: &[LandmarkObservation],
-    ) -> loc_filters::Result<Vec<SlamOutcome>> {
+    ) -> loc_filters::Result<Vec<Outcome>> {
         for observation in observations {
             observation.sight.check()?;
         }
@@ -232,7 +233,7 @@ impl FastSlam {
     fn take_in_group(
         &mut self,
         group: &[LandmarkObservation],
-    ) -> loc_filters::Result<Vec<SlamOutcome>> {
+    ) -> loc_filters::Result<Vec<Outcome>> {
         let normals = self.normals();
         let mut particles = std::mem::take(&mut self.particles);
         let parts = particles.chunks_mut(TOGETHER).zip(normals.chunks(TOGETHER));

@@ -2,7 +2,7 @@
 
 use super::FastSlamSettings;
 use loc_core::{Gaussian, Pose2};
-use loc_filters::slam::SlamVerdict;
+use loc_filters::localizer::Outcome;
 use loc_filters::{Error, Gate, Innovation, MeasurementModel, Result};
 use loc_sensors::landmark_camera::Observed;
 use nalgebra::{
@@ -58,14 +58,9 @@ impl Look {
             innovation(residual, Matrix1::new(covariance[(k, k)]), gate, step)
         };
         Ok(match self.measured {
-            [true, false] => Judged::from(SlamVerdict::Range(one(0)?)),
-            [false, true] => Judged::from(SlamVerdict::Bearing(one(1)?)),
-            _ => Judged::from(SlamVerdict::RangeBearing(innovation(
-                self.residual,
-                covariance,
-                gate,
-                step,
-            )?)),
+            [true, false] => Judged::of(&one(0)?),
+            [false, true] => Judged::of(&one(1)?),
+            _ => Judged::of(&innovation(self.residual, covariance, gate, step)?),
         })
     }
 
@@ -79,28 +74,20 @@ impl Look {
     }
 }
 
-/// A verdict on an observation of a known landmark, and what it says about the particle.
+/// The outcome of an observation of a known landmark, and what it says about the particle.
 pub(super) struct Judged {
-    pub(super) verdict: SlamVerdict,
-    pub(super) accepted: bool,
-    /// Logarithm of its likelihood. One that was turned away counts as one at the gate, so that it
-    /// does not pay to turn observations away.
+    pub(super) outcome: Outcome,
+    /// Logarithm of its likelihood. A rejected observation counts as one at the gate, so that
+    /// rejecting observations does not raise the weight of a particle.
     pub(super) log_likelihood: f64,
 }
 
-impl From<SlamVerdict> for Judged {
-    fn from(verdict: SlamVerdict) -> Self {
-        fn weigh<const M: usize>(innovation: &Innovation<M>) -> (bool, f64) {
-            let surplus = (innovation.nis - innovation.threshold).max(0.0);
-            let surplus = if surplus.is_finite() { surplus } else { 0.0 };
-            (innovation.accepted, innovation.log_likelihood() + 0.5 * surplus)
-        }
-        let (accepted, log_likelihood) = match &verdict {
-            SlamVerdict::RangeBearing(innovation) => weigh(innovation),
-            SlamVerdict::Range(innovation) | SlamVerdict::Bearing(innovation) => weigh(innovation),
-            _ => (true, 0.0),
-        };
-        Judged { verdict, accepted, log_likelihood }
+impl Judged {
+    fn of<const M: usize>(innovation: &Innovation<M>) -> Self {
+        let surplus = (innovation.nis - innovation.threshold).max(0.0);
+        let surplus = if surplus.is_finite() { surplus } else { 0.0 };
+        let log_likelihood = innovation.log_likelihood() + 0.5 * surplus;
+        Judged { outcome: Outcome::of_innovation(innovation), log_likelihood }
     }
 }
 

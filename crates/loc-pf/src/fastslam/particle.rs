@@ -5,14 +5,15 @@ use super::landmark_map::{Mark, MarkMap};
 use super::observation::{Look, Place, View};
 use loc_core::{Gaussian, Pose2, angle};
 use loc_filters::association::{Associator, PairInnovation, Pairing};
-use loc_filters::slam::{Identities, SlamOutcome, SlamVerdict};
+use loc_filters::localizer::{Decision, Outcome};
+use loc_filters::slam::Identities;
 use loc_filters::{Gate, Result};
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Matrix3, Vector3};
 use std::collections::BTreeMap;
 
 /// What an observation is until something better is known of it.
-const UNPLACEABLE: SlamOutcome = SlamOutcome { landmark: None, verdict: SlamVerdict::Unplaceable };
+const UNDETERMINED: Outcome = Outcome::of(Decision::Undetermined);
 
 /// A pose with what odometry leaves open since it was drawn last, and a map.
 #[derive(Debug, Clone)]
@@ -42,7 +43,7 @@ pub(super) struct Knowledge<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Report {
     pub(super) log_likelihood: f64,
-    pub(super) outcomes: Vec<SlamOutcome>,
+    pub(super) outcomes: Vec<Outcome>,
 }
 
 /// What an observation turned out to be, before the pose is drawn.
@@ -72,7 +73,7 @@ impl Particle {
         group: &[LandmarkObservation],
         normals: &Vector3<f64>,
     ) -> Result<Report> {
-        let mut report = Report { log_likelihood: 0.0, outcomes: vec![UNPLACEABLE; group.len()] };
+        let mut report = Report { log_likelihood: 0.0, outcomes: vec![UNDETERMINED; group.len()] };
         let fates = self.recognize(knowledge, group, &mut report)?;
         for ((fate, seen), outcome) in fates.iter().zip(group).zip(&mut report.outcomes) {
             if let Fate::Of(slot) = fate {
@@ -119,7 +120,7 @@ impl Particle {
                 Some(landmark) => Fate::Of(pairs.slot(landmark)),
                 None if nis > knowledge.new_landmark_gate => Fate::New,
                 None => {
-                    report.outcomes[k].verdict = SlamVerdict::Ambiguous(nis);
+                    report.outcomes[k] = Outcome::of(Decision::Ambiguous).with_nis(nis);
                     Fate::Nothing
                 }
             };
@@ -141,8 +142,8 @@ impl Particle {
         slot: usize,
         seen: &LandmarkObservation,
         log_likelihood: &mut f64,
-    ) -> Result<SlamOutcome> {
-        let Some(mark) = self.map.get(slot) else { return Ok(UNPLACEABLE) };
+    ) -> Result<Outcome> {
+        let Some(mark) = self.map.get(slot) else { return Ok(UNDETERMINED) };
         let look =
             Look::new(knowledge.settings, &self.belief.mean, &mark.position.mean, seen.sight);
         let (id, p) = (mark.id, self.belief.covariance);
@@ -150,13 +151,15 @@ impl Particle {
         let covariance = look.by_robot * p * look.by_robot.transpose() + without_robot;
         let judged = look.judge(covariance, &knowledge.gate, knowledge.step)?;
         *log_likelihood += judged.log_likelihood;
-        if let Some(gain) = look.gain(&self.belief, &covariance).filter(|_| judged.accepted) {
+        if let Some(gain) =
+            look.gain(&self.belief, &covariance).filter(|_| judged.outcome.accepted())
+        {
             self.belief.mean += gain * look.residual;
             let rest = Matrix3::identity() - gain * look.by_robot;
             let corrected = rest * p * rest.transpose() + gain * without_robot * gain.transpose();
             self.belief.covariance = 0.5 * (corrected + corrected.transpose());
         }
-        Ok(SlamOutcome { landmark: Some(id), verdict: judged.verdict })
+        Ok(judged.outcome.with_landmark(id))
     }
     // ANCHOR_END: propose
 
@@ -197,12 +200,12 @@ impl Particle {
         &mut self,
         knowledge: &Knowledge<'_>,
         seen: &LandmarkObservation,
-    ) -> Result<SlamOutcome> {
+    ) -> Result<Outcome> {
         let settings = knowledge.settings;
         let Some(place) = Place::new(settings, self.pose(), seen.sight) else {
-            return Ok(UNPLACEABLE);
+            return Ok(UNDETERMINED);
         };
-        let full = SlamOutcome { landmark: None, verdict: SlamVerdict::MapFull };
+        let full = Outcome::of(Decision::MapFull);
         if settings.identities == Identities::Unknown {
             if self.map.len() >= settings.map.max_landmarks {
                 return Ok(full);
@@ -210,7 +213,7 @@ impl Particle {
             let id = self.next_number;
             self.next_number = id.wrapping_add(1);
             self.map.push(Mark::born(id, &place, knowledge.moment, &settings.map));
-            return Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Initialized });
+            return Ok(Outcome::of(Decision::NewLandmark).with_landmark(id));
         }
         let id = seen.landmark;
         let Some(&slot) = knowledge.numbers.get(&id) else { return Ok(full) };
@@ -222,7 +225,7 @@ impl Particle {
             return Ok(outcome);
         }
         self.map.put(slot, Mark::born(id, &place, knowledge.moment, &settings.map));
-        Ok(SlamOutcome { landmark: Some(id), verdict: SlamVerdict::Initialized })
+        Ok(Outcome::of(Decision::NewLandmark).with_landmark(id))
     }
 
     /// Blames landmarks that should have been seen at this moment and were not, and removes those

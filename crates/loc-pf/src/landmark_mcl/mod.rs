@@ -3,10 +3,11 @@
 //! A cloud of particles drives as the odometry says, each with an error of its own; every observation
 //! of a landmark favours those that would have seen it so. Unlike the extended Kalman filter it
 //! needs no start pose, holds several possible places apart until an observation decides, and finds
-//! back after it was carried away. It takes the same stamped inputs, late ones included.
+//! back after it was carried away.
 //!
 //! ```
 //! use loc_core::{Pose2, Twist2, gaussian::pose_belief, random::stream};
+//! use loc_filters::Localizer;
 //! use loc_maps::{Landmark, LandmarkMap};
 //! use loc_pf::{LandmarkMcl, LandmarkMclSettings};
 //! use loc_sensors::landmark_camera::{Observed, LandmarkObservation};
@@ -17,14 +18,14 @@
 //! let mut mcl = LandmarkMcl::new(map, settings, 0.0, &start, stream(1, "mcl"))?;
 //! mcl.velocity(0.0, Twist2::forward(1.0, 0.0))?;
 //! let sight = Observed::RangeBearing { range: 2.0, bearing: 0.0 };
-//! mcl.observations(2.0, &[LandmarkObservation { landmark: 1, sight }])?;
-//! assert!((mcl.estimate(2.5)?.mean.x - 2.5).abs() < 0.2);
+//! mcl.update(2.0, &[LandmarkObservation { landmark: 1, sight }])?;
+//! assert!((mcl.estimate(2.5)?.pose.x - 2.5).abs() < 0.2);
 //! # Ok::<(), loc_pf::Error>(())
 //! ```
 
-mod past;
 mod settings;
 mod update;
+mod velocities;
 
 pub use settings::{LandmarkMclSettings, RecoverySettings};
 pub use update::ObservationUpdate;
@@ -35,30 +36,34 @@ use loc_core::Gaussian;
 use loc_core::error::finite;
 use loc_core::motion::{Twist2, dead_reckon};
 use loc_core::random::ChaCha8Rng;
+use loc_filters::delayed::{Clock, Sequential};
+use loc_filters::localizer::{
+    Decision, Estimate, Localizer, Outcome, ParticleSet, observed_position,
+};
 use loc_maps::{Bounds, LandmarkMap};
+use loc_sensors::event::{Control, Measurement};
 use loc_sensors::landmark_camera::LandmarkObservation;
-use past::{Moment, Velocities};
-use std::collections::VecDeque;
 use std::sync::Arc;
 use update::Fit;
+use velocities::Velocities;
 
-/// Monte Carlo localization over stamped velocities and observations, in order or late.
+/// Monte Carlo localization with landmarks over time-stamped inputs in order;
+/// [`Delayed`](loc_filters::delayed::Delayed) around it takes late ones: copies share the particles
+/// until these move.
 ///
-/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
-/// several at one stamp, up to the settings' `horizon` late, or not at all: the result is the same,
-/// to the bit, as if all had come in order. For that the cloud before each observation of the last
-/// `horizon` is kept, 32 bytes a particle.
-#[derive(Debug)]
+/// A velocity holds from its stamp until the next one. Observations may come between velocities,
+/// several at one stamp, or not at all.
+#[derive(Debug, Clone)]
 pub struct LandmarkMcl {
     map: Arc<LandmarkMap>,
     settings: LandmarkMclSettings,
     /// Where the robot can be.
     region: Bounds,
-    filter: ParticleFilter,
+    filter: Arc<ParticleFilter>,
     state: State,
+    clock: Clock,
+    /// The velocities that the particles have not been moved by yet.
     velocities: Velocities,
-    /// The observations of the recent past.
-    past: VecDeque<Moment>,
 }
 
 /// What the filter knows beside its cloud.
@@ -90,8 +95,9 @@ impl LandmarkMcl {
     ) -> Result<Self> {
         let mut mcl = LandmarkMcl::anywhere(map, settings, stamp, rng)?;
         let start = Gaussian::new(start.mean, start.covariance)?;
-        let cloud = Particles::from_gaussian(&start, settings.particles, mcl.filter.rng_mut());
-        *mcl.filter.particles_mut() = cloud;
+        let filter = Arc::make_mut(&mut mcl.filter);
+        let cloud = Particles::from_gaussian(&start, settings.particles, filter.rng_mut());
+        *filter.particles_mut() = cloud;
         mcl.state = State { belief: start, anywhere: false, ..mcl.state };
         Ok(mcl)
     }
@@ -108,7 +114,7 @@ impl LandmarkMcl {
         rng: ChaCha8Rng,
     ) -> Result<Self> {
         settings.validate()?;
-        let (map, stamp) = (map.into(), finite("start time [s]", stamp)?);
+        let (map, clock) = (map.into(), Clock::starting_at(stamp)?);
         let places = map.iter().map(|landmark| landmark.position.xy());
         let region = Bounds::around(places).map(|bounds| bounds.grown(settings.margin));
         let (what, expected) = ("landmarks of the map", "at least 1");
@@ -119,8 +125,8 @@ impl LandmarkMcl {
         *filter.particles_mut() = update::scattered(&region, settings.particles, filter.rng_mut());
         let belief = moments(filter.particles());
         let state = State { stamp, belief, fit: Fit::default(), anywhere: true, resampled: false };
-        let (velocities, past) = (Velocities::default(), VecDeque::new());
-        Ok(LandmarkMcl { map, settings, region, filter, state, velocities, past })
+        let (filter, velocities) = (Arc::new(filter), Velocities::default());
+        Ok(LandmarkMcl { map, settings, region, filter, state, clock, velocities })
     }
 
     /// Starts anew from a belief; what was measured so far is forgotten, the velocity is not.
@@ -130,63 +136,49 @@ impl LandmarkMcl {
     pub fn start_at(&mut self, start: &Gaussian<3>) -> Result<()> {
         let start = Gaussian::new(start.mean, start.covariance)?;
         let count = self.settings.particles;
-        *self.filter.particles_mut() =
-            Particles::from_gaussian(&start, count, self.filter.rng_mut());
+        let filter = Arc::make_mut(&mut self.filter);
+        *filter.particles_mut() = Particles::from_gaussian(&start, count, filter.rng_mut());
         let (fit, anywhere, resampled) = (Fit::default(), false, false);
         self.state = State { belief: start, fit, anywhere, resampled, ..self.state };
-        self.past.clear();
         Ok(())
     }
 
     /// The velocity from `stamp` \[s\] on.
-    ///
-    /// # Errors
-    /// [`crate::Error::TooLate`], and [`loc_core::Error::OutOfRange`] for what is not finite.
-    pub fn velocity(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
+    fn drive(&mut self, stamp: f64, twist: Twist2) -> Result<()> {
         for value in [twist.vx, twist.vy, twist.omega] {
             finite("velocity [m/s, rad/s]", value)?;
         }
-        self.check_stamp("velocity", stamp)?;
+        self.clock.advance("velocity", stamp)?;
         self.velocities.insert(stamp, twist);
-        // It changes what was before an observation after it.
-        let place = self.place_after(stamp);
-        self.go_back_to(place);
-        self.repeat_from(place)?;
-        self.forget();
+        if let Some(end) = self.velocities.leg_end_before(self.clock.now()) {
+            self.predict_to(end);
+        }
+        self.velocities.forget_before(self.state.stamp);
         Ok(())
     }
 
-    /// Any number of landmarks seen at `stamp` \[s\].
+    /// Corrects with any number of landmarks observed at `stamp` \[s\], not before the last input.
     ///
     /// # Errors
-    /// [`crate::Error::TooLate`], and [`loc_core::Error::OutOfRange`] for observations that are not valid,
-    /// none of which is then used.
-    pub fn observations(
+    /// [`loc_filters::Error::TooLate`], and [`loc_core::Error::OutOfRange`] for observations that are
+    /// not valid, none of which is then used.
+    pub fn update(
         &mut self,
         stamp: f64,
         observations: &[LandmarkObservation],
     ) -> Result<ObservationUpdate> {
-        self.check_stamp("observations", stamp)?;
         observations.iter().try_for_each(|observation| observation.sight.check().map(|_| ()))?;
-        let place = self.place_after(stamp);
-        self.go_back_to(place);
-        let before = self.snapshot();
-        let update = self.take_in(stamp, observations)?;
-        self.past.insert(place, Moment { stamp, observations: observations.to_vec(), before });
-        self.repeat_from(place + 1)?;
-        self.forget();
-        Ok(update)
+        self.clock.advance("observations", stamp)?;
+        self.correct_with(self.clock.now(), observations)
     }
 
-    /// The belief at a time \[s\]: predicted from the last observation before it.
+    /// The belief at a time \[s\] not before the last input.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite.
-    pub fn estimate(&self, stamp: f64) -> Result<Gaussian<3>> {
+    pub fn belief_at(&self, stamp: f64) -> Result<Gaussian<3>> {
         finite("stamp [s]", stamp)?;
-        let later = self.past.get(self.place_after(stamp));
-        let State { stamp: from, belief, .. } =
-            later.map_or(self.state, |moment| moment.before.state);
+        let State { stamp: from, belief, .. } = self.state;
         let LandmarkMclSettings { integration, motion_noise, .. } = &self.settings;
         let drive = self.velocities.between(from, stamp);
         Ok(drive.fold(belief, |belief, hold| {
@@ -201,12 +193,60 @@ impl LandmarkMcl {
 
     /// The cloud as the last observations weighed it, if it was resampled then.
     pub fn weighed(&self) -> Option<&Particles> {
-        self.state.resampled.then(|| self.filter.resampled_from())
+        Some(self.filter.resampled_from())
+            .filter(|before| self.state.resampled && !before.is_empty())
     }
 
     /// How well observations fit, as shares of what they would without errors: in the long run and of
     /// late. `None` before the first.
     pub fn fit(&self) -> Option<[f64; 2]> {
         self.state.fit.averages()
+    }
+}
+
+/// Below this probability of being right an observation counts as rejected.
+const TRUSTED: f64 = 0.5;
+
+impl Localizer for LandmarkMcl {
+    fn predict(&mut self, stamp: f64, control: &Control) -> loc_filters::Result<()> {
+        let Control::Velocity(twist) = control else { return Ok(()) };
+        Ok(self.drive(stamp, *twist)?)
+    }
+
+    fn correct(
+        &mut self,
+        stamp: f64,
+        measurement: &Measurement,
+    ) -> loc_filters::Result<Vec<Outcome>> {
+        let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
+        let update = self.update(stamp, observations)?;
+        let camera = self.belief_at(stamp)?.pose() * self.settings.sights.mounting;
+        let outcome = |observation: &LandmarkObservation| {
+            let trust = update.trust.iter().find(|trust| trust.observation == *observation);
+            let is_trusted = trust.is_some_and(|trust| trust.probability >= TRUSTED);
+            let decision = if is_trusted { Decision::Accepted } else { Decision::Rejected };
+            let outcome = Outcome::of(decision).with_landmark(observation.landmark);
+            outcome.with_place(observed_position(camera, observation))
+        };
+        Ok(observations.iter().map(outcome).collect())
+    }
+
+    fn estimate(&self, stamp: f64) -> loc_filters::Result<Estimate> {
+        Ok(self.belief_at(stamp)?.into())
+    }
+
+    fn particle_count(&self) -> usize {
+        self.particles().len()
+    }
+
+    fn particle_set(&self, max: usize) -> Option<ParticleSet> {
+        let weighted = self.weighed().map(|particles| particles.thinned(max));
+        Some(ParticleSet { particles: self.particles().thinned(max), weighted })
+    }
+}
+
+impl Sequential for LandmarkMcl {
+    fn uses(&self, measurement: &Measurement) -> bool {
+        matches!(measurement, Measurement::Landmarks(_))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::sensor::landmark::ObservationModel;
 use crate::{Resampling, Result};
-use loc_core::error::{in_range, non_negative, positive, probability};
+use loc_core::error::{in_range, positive, probability};
 use loc_core::motion::{Integration, VelocityNoise};
 
 /// Settings of [`LandmarkMcl`](super::LandmarkMcl), with defaults that serve a small indoor robot.
@@ -30,8 +30,6 @@ pub struct LandmarkMclSettings {
     pub roughening: f64,
     /// What to do when lost.
     pub recovery: RecoverySettings,
-    /// How late an input may come \[s\].
-    pub horizon: f64,
     /// Number of threads.
     pub threads: usize,
 }
@@ -65,7 +63,6 @@ impl Default for LandmarkMclSettings {
             resampling: Resampling::default(),
             roughening: 1.0,
             recovery: RecoverySettings::default(),
-            horizon: 2.0,
             threads: 1,
         }
     }
@@ -94,7 +91,6 @@ impl LandmarkMclSettings {
         probability("resample_below", self.resample_below)?;
         probability("roughening", self.roughening)?;
         self.recovery.validate()?;
-        non_negative("horizon for late inputs [s]", self.horizon)?;
         Ok(())
     }
 }

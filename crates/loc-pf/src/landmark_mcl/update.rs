@@ -1,7 +1,7 @@
 //! One step of the filter: drive to the observations, weigh by them, resample.
 
-use super::past::legs;
 use super::settings::RecoverySettings;
+use super::velocities::legs;
 use super::{LandmarkMcl, State};
 use crate::estimate::moments;
 use crate::sensor::landmark::{LandmarkLikelihood, SensorResetting, Trust, anywhere};
@@ -14,8 +14,9 @@ use loc_sensors::landmark_camera::LandmarkObservation;
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
+use std::sync::Arc;
 
-/// What [`LandmarkMcl::observations`] did.
+/// What [`LandmarkMcl::update`] did.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservationUpdate {
     /// How far each observation is to be trusted at the new estimate, those of unknown landmarks last.
@@ -45,7 +46,7 @@ const LARGEST_STEP: f64 = 0.25;
 
 impl LandmarkMcl {
     /// Moves cloud and belief on to a time \[s\]; not back.
-    pub(super) fn drive_to(&mut self, stamp: f64) {
+    pub(super) fn predict_to(&mut self, stamp: f64) {
         let from = self.state.stamp;
         if stamp <= from {
             return;
@@ -55,12 +56,13 @@ impl LandmarkMcl {
         let Ok(legs) = legs(self.velocities.between(from, stamp), integration, noise) else {
             // Further than any robot drives, it may be anywhere.
             let count = self.settings.particles;
-            let cloud = scattered(&self.region, count, self.filter.rng_mut());
+            let cloud = scattered(&self.region, count, Arc::make_mut(&mut self.filter).rng_mut());
             self.state = State { belief: moments(&cloud), anywhere: true, ..self.state };
-            *self.filter.particles_mut() = cloud;
+            *Arc::make_mut(&mut self.filter).particles_mut() = cloud;
             return;
         };
-        legs.iter().for_each(|leg| self.filter.predict(leg));
+        let filter = Arc::make_mut(&mut self.filter);
+        legs.iter().for_each(|leg| filter.predict(leg));
         let drive = self.velocities.between(from, stamp);
         self.state.belief = drive.fold(self.state.belief, |belief, hold| {
             dead_reckon(&belief, hold.twist, hold.duration, integration, noise)
@@ -68,13 +70,13 @@ impl LandmarkMcl {
     }
 
     /// Takes in observations at a time \[s\] not before the last ones.
-    pub(super) fn take_in(
+    pub(super) fn correct_with(
         &mut self,
         stamp: f64,
         observations: &[LandmarkObservation],
     ) -> Result<ObservationUpdate> {
         let likelihood = LandmarkLikelihood::new(&self.map, observations, &self.settings.sights)?;
-        self.drive_to(stamp);
+        self.predict_to(stamp);
         self.state.resampled = false;
         if likelihood.is_empty() {
             return Ok(ObservationUpdate {
@@ -112,12 +114,12 @@ impl LandmarkMcl {
         let (mut log_mean, mut rest) = (0.0, 1.0);
         for stage in (0..STAGES).rev() {
             let before = self.filter.particles().log_weights().to_vec();
-            self.filter.weigh(likelihood);
+            Arc::make_mut(&mut self.filter).weigh(likelihood);
             let rated = rated(self.filter.particles().log_weights(), &before);
             if rest < 1.0 {
                 self.set_weights(&before, &rated, rest);
             }
-            let all = self.filter.normalize();
+            let all = Arc::make_mut(&mut self.filter).normalize();
             let carried = self.filter.particles().effective_sample_size() >= enough;
             let part =
                 if stage == 0 || carried { rest } else { bearable(&before, &rated, rest, enough) };
@@ -126,10 +128,11 @@ impl LandmarkMcl {
                 break;
             }
             self.set_weights(&before, &rated, part);
-            log_mean += self.filter.normalize();
+            log_mean += Arc::make_mut(&mut self.filter).normalize();
             rest -= part;
             self.state.belief = moments(self.filter.particles());
-            self.filter.resample(self.settings.resampling, self.settings.particles);
+            Arc::make_mut(&mut self.filter)
+                .resample(self.settings.resampling, self.settings.particles);
             self.roughen();
         }
         let (log_peak, count) = (likelihood.log_peak(), likelihood.len());
@@ -138,7 +141,7 @@ impl LandmarkMcl {
 
     /// Weighs by a power of the likelihood, from the weights before.
     fn set_weights(&mut self, before: &[f64], rated: &[f64], power: f64) {
-        let weights = self.filter.particles_mut().log_weights_mut();
+        let weights = Arc::make_mut(&mut self.filter).particles_mut().log_weights_mut();
         for (weight, (before, rated)) in weights.iter_mut().zip(before.iter().zip(rated)) {
             *weight = before + power * rated;
         }
@@ -148,28 +151,28 @@ impl LandmarkMcl {
     fn gather(&mut self, likelihood: &LandmarkLikelihood) {
         let resetting = SensorResetting::new(likelihood, self.region);
         let (count, region) = (self.settings.particles, self.region);
-        let rng = self.filter.rng_mut();
+        let rng = Arc::make_mut(&mut self.filter).rng_mut();
         let left = (LEFT_ANYWHERE * count as f64) as usize;
         let draw = |k| if k < left { anywhere(&region, rng) } else { resetting.draw(rng) };
         let cloud = Particles::from_poses((0..count).map(draw));
-        *self.filter.particles_mut() = cloud;
+        *Arc::make_mut(&mut self.filter).particles_mut() = cloud;
     }
 
     /// Draws a new cloud, `replaced` of it from the observations.
     fn resample(&mut self, likelihood: &LandmarkLikelihood, replaced: usize) {
         let kept = self.settings.particles - replaced;
-        self.filter.resample(self.settings.resampling, kept);
+        Arc::make_mut(&mut self.filter).resample(self.settings.resampling, kept);
         self.roughen();
         let resetting = SensorResetting::new(likelihood, self.region);
         let share = self.settings.recovery.sensor_resetting;
         for _ in 0..replaced {
-            let rng = self.filter.rng_mut();
+            let rng = Arc::make_mut(&mut self.filter).rng_mut();
             let by_observation = rng.random::<f64>() < share;
             let pose =
                 if by_observation { resetting.draw(rng) } else { anywhere(&self.region, rng) };
-            self.filter.particles_mut().push(pose, 0.0);
+            Arc::make_mut(&mut self.filter).particles_mut().push(pose, 0.0);
         }
-        self.filter.particles_mut().set_equal_weights();
+        Arc::make_mut(&mut self.filter).particles_mut().set_equal_weights();
     }
 
     /// Moves copies of one particle apart and the cloud together by as much, so that its mean and
@@ -185,10 +188,10 @@ impl LandmarkMcl {
         for k in 0..self.filter.particles().len() {
             let mut deviation = self.filter.particles().pose(k).to_vector() - mean;
             deviation.z = angle::wrap(deviation.z);
-            let rng = self.filter.rng_mut();
+            let rng = Arc::make_mut(&mut self.filter).rng_mut();
             let step = kernel * Vector3::from_fn(|_, _| StandardNormal.sample(rng));
             let pose = Pose2::from_vector(&(mean + together * deviation + step));
-            self.filter.particles_mut().set_pose(k, pose);
+            Arc::make_mut(&mut self.filter).particles_mut().set_pose(k, pose);
         }
     }
 

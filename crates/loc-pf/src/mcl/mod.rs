@@ -4,7 +4,7 @@
 //! lasers measured there, and read the pose. Its update is the textbook's (sample the motion,
 //! weigh, resample) with three additions: sharp scans are taken in by degrees ([`crate::tempering`]),
 //! scans that fit badly raise the suspicion that the robot is elsewhere ([`crate::recovery`]), and
-//! then the whole map is searched ([`crate::global`]).
+//! then the whole map is searched ([`loc_maps::search`]).
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -47,8 +47,10 @@ use loc_core::error::finite;
 use loc_core::gaussian::check_covariance;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Pose2};
+use loc_filters::localizer::{self, Decision, Hypothesis, Localizer, Outcome, ParticleSet};
 use loc_maps::OccupancyGrid;
 use loc_maps::likelihood_field::Endpoints;
+use loc_sensors::event::{Control, Measurement};
 use recovery::Challenger;
 use scan::{Surroundings, endpoints, select};
 
@@ -115,7 +117,7 @@ impl Mcl {
     }
 
     /// What the cloud says about the pose at the last update.
-    pub fn estimate(&self) -> &Estimate {
+    pub fn last_estimate(&self) -> &Estimate {
         &self.estimate
     }
 
@@ -415,4 +417,57 @@ pub struct MclState {
     monitor: LostMonitor,
     challenger: Option<Challenger>,
     offset: RangeOffsetEstimate,
+}
+
+/// Predicts with the poses of an odometry and corrects with scans; a scan is one outcome.
+impl Localizer for Mcl {
+    fn predict(&mut self, _stamp: f64, control: &Control) -> loc_filters::Result<()> {
+        let Control::Odometry(pose) = control else { return Ok(()) };
+        Ok(self.odometry(*pose)?)
+    }
+
+    fn correct(
+        &mut self,
+        _stamp: f64,
+        measurement: &Measurement,
+    ) -> loc_filters::Result<Vec<Outcome>> {
+        let Measurement::Scan { scan, mounting } = measurement else { return Ok(Vec::new()) };
+        let odometry = self.path.map_or(Pose2::IDENTITY, |path| path.end());
+        let scan = MountedScan { scan, mounting: *mounting };
+        let update = self.update(odometry, &[scan])?;
+        let is_used = matches!(update, Update::Done(_));
+        Ok(is_used.then_some(Outcome::of(Decision::Accepted)).into_iter().collect())
+    }
+
+    /// The pose of the last update, moved by the odometry since.
+    fn estimate(&self, _stamp: f64) -> loc_filters::Result<localizer::Estimate> {
+        Ok(self.belief().into())
+    }
+
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        let clusters = self.estimate.clusters.iter();
+        clusters.map(|c| Hypothesis { share: c.share, belief: c.belief }).collect()
+    }
+
+    fn particle_count(&self) -> usize {
+        self.particles().len()
+    }
+
+    fn particle_set(&self, max: usize) -> Option<ParticleSet> {
+        Some(ParticleSet { particles: self.particles().thinned(max), weighted: None })
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let estimate = self.range_offset_estimate();
+        let (Some(offset), Some(sigma)) = (estimate.offset(), estimate.sigma()) else {
+            return Vec::new();
+        };
+        let scans = estimate.scans();
+        let by = format!("{offset:+.3} m, sigma {sigma:.3} m, by {scans} scans");
+        let is_used = self.range_offset().abs() > 0.0;
+        is_used
+            .then(|| format!("ranges changed to fit the map's walls by {by}"))
+            .into_iter()
+            .collect()
+    }
 }
