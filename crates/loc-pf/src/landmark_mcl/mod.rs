@@ -1,6 +1,6 @@
 //! Monte Carlo localization with landmarks whose places are known (M5).
 //!
-//! A cloud of particles drives as the odometry says, each with an error of its own; every observation
+//! A particle set drives as the odometry says, each with an error of its own; every observation
 //! of a landmark favours those that would have seen it so. Unlike the extended Kalman filter it
 //! needs no start pose, holds several possible places apart until an observation decides, and finds
 //! back after it was carried away. It takes the same stamped inputs, late ones included.
@@ -46,7 +46,7 @@ use update::Fit;
 ///
 /// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
 /// several at one stamp, up to the settings' `horizon` late, or not at all: the result is the same,
-/// to the bit, as if all had come in order. For that the cloud before each observation of the last
+/// to the bit, as if all had come in order. For that the particle set before each observation of the last
 /// `horizon` is kept, 32 bytes a particle.
 #[derive(Debug)]
 pub struct LandmarkMcl {
@@ -61,17 +61,17 @@ pub struct LandmarkMcl {
     past: VecDeque<Moment>,
 }
 
-/// What the filter knows beside its cloud.
+/// What the filter knows beside its particle set.
 #[derive(Debug, Clone, Copy)]
 struct State {
-    /// The time to which the cloud belongs \[s\].
+    /// The time to which the particle set belongs \[s\].
     stamp: f64,
-    /// What the cloud says about the pose.
+    /// What the particle set says about the pose.
     belief: Gaussian<3>,
     fit: Fit,
-    /// Whether the cloud lies anywhere and waits for its first observation.
+    /// Whether the particle set lies anywhere and waits for its first observation.
     anywhere: bool,
-    /// Whether the last observations made it draw a new cloud.
+    /// Whether the last observations made it draw a new particle set.
     resampled: bool,
 }
 
@@ -90,14 +90,14 @@ impl LandmarkMcl {
     ) -> Result<Self> {
         let mut mcl = LandmarkMcl::anywhere(map, settings, stamp, rng)?;
         let start = Gaussian::new(start.mean, start.covariance)?;
-        let cloud = Particles::from_gaussian(&start, settings.particles, mcl.filter.rng_mut());
-        *mcl.filter.particles_mut() = cloud;
+        let particles = Particles::from_gaussian(&start, settings.particles, mcl.filter.rng_mut());
+        *mcl.filter.particles_mut() = particles;
         mcl.state = State { belief: start, anywhere: false, ..mcl.state };
         Ok(mcl)
     }
 
     /// A robot that stands still at `stamp` \[s\] anywhere around the landmarks (A2). With the
-    /// first observations the cloud gathers where those may have been seen from.
+    /// first observations the particle set gathers where those may have been seen from.
     ///
     /// # Errors
     /// As [`LandmarkMcl::new`].
@@ -194,12 +194,12 @@ impl LandmarkMcl {
         }))
     }
 
-    /// The cloud, at the time of the last observation.
+    /// The particle set, at the time of the last observation.
     pub fn particles(&self) -> &Particles {
         self.filter.particles()
     }
 
-    /// The cloud as the last observations weighed it, if it was resampled then.
+    /// The particle set as the last observations weighed it, if it was resampled then.
     pub fn weighed(&self) -> Option<&Particles> {
         self.state.resampled.then(|| self.filter.resampled_from())
     }
