@@ -6,7 +6,7 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, gaussian::pose_belief};
-use loc_pf::resample::Wheel;
+use loc_pf::resample::CumulativeWeights;
 use loc_pf::{Kld, KldSettings, Particles, Resampling};
 use rand::RngExt;
 use std::hint::black_box;
@@ -43,13 +43,13 @@ fn resampling(c: &mut Criterion) {
     for particles in [2000, 10_000, 100_000] {
         group.throughput(Throughput::Elements(particles as u64));
         let (cloud, mut rng) = (cloud(particles), stream(1, "filter"));
-        let (mut wheel, mut indices, mut drawn) = (Wheel::new(), Vec::new(), Particles::new());
+        let (mut wheel, mut indices, mut drawn) = (CumulativeWeights::new(), Vec::new(), Particles::new());
         for scheme in Resampling::ALL {
             let name = format!("{scheme:?}").to_lowercase();
             group.bench_function(BenchmarkId::new(name, particles), |b| {
                 b.iter(|| {
                     wheel.set(black_box(&cloud).log_weights());
-                    scheme.spin(&wheel, particles, &mut rng, &mut indices);
+                    scheme.draw_from(&wheel, particles, &mut rng, &mut indices);
                     drawn.copy_selected(&cloud, &indices);
                 });
             });
@@ -70,7 +70,7 @@ fn kld(c: &mut Criterion) {
     let cloud = Particles::from_gaussian(&belief, 10_000, &mut rng);
     let settings = KldSettings { max_particles: 10_000, ..Default::default() };
     let mut kld = Kld::new(settings).expect("valid");
-    let (mut wheel, mut indices, mut drawn) = (Wheel::new(), Vec::new(), Particles::new());
+    let (mut wheel, mut indices, mut drawn) = (CumulativeWeights::new(), Vec::new(), Particles::new());
     c.bench_function("kld-resampling/tracking/10000", |b| {
         b.iter(|| {
             wheel.set(black_box(&cloud).log_weights());
@@ -89,7 +89,7 @@ fn weights(c: &mut Criterion) {
     group.bench_function("effective-sample-size", |b| {
         b.iter(|| black_box(&cloud).effective_sample_size());
     });
-    let mut wheel = Wheel::new();
+    let mut wheel = CumulativeWeights::new();
     group.bench_function("wheel", |b| b.iter(|| wheel.set(black_box(&cloud).log_weights())));
     group.finish();
 }

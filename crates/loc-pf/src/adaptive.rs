@@ -1,34 +1,34 @@
-//! How many particles the cloud needs: KLD-sampling (Fox 2003).
+//! How many particles the particle set needs: KLD-sampling (Fox 2003).
 //!
-//! A robot that has no idea where it is needs many particles, one that knows it to a few
-//! centimetres needs few. KLD-sampling measures how spread the belief is by the number of bins (of
-//! position and heading) that hold particles, and asks for as many particles as make the cloud, with
-//! a given confidence, no further than a given error from the belief (Kullback-Leibler distance).
+//! A robot that may be anywhere needs many particles, one that is localized to a few centimetres
+//! needs few. KLD-sampling measures how spread the belief is by the number of bins (of
+//! position and heading) that hold particles, and requires as many particles as keep the particle set,
+//! with a given confidence, no further than a given error from the belief (Kullback-Leibler distance).
 //!
-//! Fox draws the new particles one by one until there are enough, which the spoke wheel cannot do:
-//! it must know how many before it turns. [`Kld`] therefore draws the fewest first, which for a tight
-//! cloud are the result. Where their bins ask for more, it looks at further particles of the old
-//! cloud in proportion to their weights, in an order that covers the wheel of weights evenly at
-//! every count (multiples of the golden ratio), until there are enough; then the scheme, any
+//! Fox draws the new particles one by one until there are enough. Low-variance resampling needs their
+//! number beforehand. [`Kld`] therefore draws the minimum number first, which for a compact particle
+//! set is the result. Where their bins require more, it visits further particles of the old set in
+//! proportion to their weights, in an order that covers the cumulative weights evenly at every count
+//! (multiples of the golden ratio), until there are enough; then the scheme, any
 //! [`Resampling`], draws that many anew.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
-//! use loc_pf::{Kld, KldSettings, Particles, Resampling, resample::Wheel};
+//! use loc_pf::{Kld, KldSettings, Particles, Resampling, resample::CumulativeWeights};
 //! let mut rng = stream(1, "filter");
 //! let belief = pose_belief(Pose2::IDENTITY, [0.02, 0.02, 0.01]);
-//! let cloud = Particles::from_gaussian(&belief, 2000, &mut rng);
+//! let particles = Particles::from_gaussian(&belief, 2000, &mut rng);
 //! let mut kld = Kld::new(KldSettings { min_particles: 100, ..Default::default() })?;
-//! let mut wheel = Wheel::new();
-//! wheel.set(cloud.log_weights());
+//! let mut cumulative = CumulativeWeights::new();
+//! cumulative.set(particles.log_weights());
 //! let mut drawn = Vec::new();
-//! kld.draw(Resampling::Systematic, &wheel, cloud.poses(), &mut rng, &mut drawn);
-//! assert!(drawn.len() < 300, "a cloud in a few bins needs few particles");
+//! kld.draw(Resampling::Systematic, &cumulative, particles.poses(), &mut rng, &mut drawn);
+//! assert!(drawn.len() < 300, "a particles in a few bins needs few particles");
 //! # Ok::<(), loc_pf::Error>(())
 //! ```
 
 use crate::elementary::ROUND;
-use crate::resample::Wheel;
+use crate::resample::CumulativeWeights;
 use crate::{Poses, Resampling, Result, Workers};
 use loc_core::error::{finite, in_range, positive};
 use loc_core::{Normal, Pose2};
@@ -40,21 +40,21 @@ use std::f64::consts::TAU;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct KldSettings {
-    /// Largest Kullback-Leibler distance between the cloud and the belief (`pf_err`, epsilon).
+    /// Largest Kullback-Leibler distance between the particle set and the belief (`pf_err`, epsilon).
     pub error: f64,
-    /// How surely it is kept.
+    /// The confidence with which it is kept.
     pub certainty: KldCertainty,
     /// Width of a bin along x and along y \[m\].
     pub bin_position: f64,
     /// Width of a bin in heading \[rad\]; narrowed a little where it does not divide the full turn.
     pub bin_heading: f64,
-    /// Fewest particles.
+    /// Minimum number of particles.
     pub min_particles: usize,
-    /// Most particles.
+    /// Maximum number of particles.
     pub max_particles: usize,
 }
 
-/// How surely the error of KLD-sampling is kept.
+/// The confidence with which the error of KLD-sampling is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -140,9 +140,7 @@ impl KldSettings {
     }
 }
 
-// The set of bins that hold particles.
-
-/// A set of bins: a table with open addressing, emptied in no time by a new stamp.
+/// The set of bins that hold particles: a table with open addressing, emptied at constant cost by a new stamp.
 #[derive(Debug)]
 struct Bins {
     /// Bins per metre, and bins in a full turn over 2 pi.
@@ -231,8 +229,6 @@ fn put(slots: &mut [(u32, u64)], stamp: u32, key: u64) -> bool {
     true
 }
 
-// The number of particles from a cloud and its weights, and the draw of that many.
-
 /// KLD-sampling with its memory, which is kept from one resampling to the next.
 #[derive(Debug)]
 pub struct Kld {
@@ -241,7 +237,7 @@ pub struct Kld {
     bins: Bins,
 }
 
-/// The golden ratio less 1, in units of 2^-64 of the wheel: its multiples divide the wheel more
+/// The golden ratio less 1, in units of 2^-64 of the total weight: its multiples divide it more
 /// evenly, at every count, than those of any other number.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
@@ -261,21 +257,21 @@ impl Kld {
         &self.settings
     }
 
-    /// Fills `indices` with as many particles as the bins that they fall into ask for, drawn by
-    /// `scheme` from the wheel of the cloud; between `min_particles` and `max_particles`, none from
-    /// a cloud without any.
+    /// Fills `indices` with as many particles as the number of occupied bins requires, drawn by
+    /// `scheme` from the cumulative weights of the particle set; between `min_particles` and `max_particles`, none from
+    /// a particle set without any.
     ///
     /// # Panics
-    /// Where the wheel has more sectors than there are poses.
+    /// Where the cumulative weights have more intervals than there are poses.
     pub fn draw<R: Rng + ?Sized>(
         &mut self,
         scheme: Resampling,
-        wheel: &Wheel,
+        cumulative: &CumulativeWeights,
         poses: Poses<'_>,
         rng: &mut R,
         indices: &mut Vec<u32>,
     ) {
-        self.draw_by(&Workers::one(), scheme, wheel, poses, rng, indices);
+        self.draw_by(&Workers::one(), scheme, cumulative, poses, rng, indices);
     }
 
     /// The same by several threads.
@@ -284,42 +280,42 @@ impl Kld {
         &mut self,
         workers: &Workers,
         scheme: Resampling,
-        wheel: &Wheel,
+        cumulative: &CumulativeWeights,
         poses: Poses<'_>,
         rng: &mut R,
         indices: &mut Vec<u32>,
     ) {
-        let fewest = self.settings.min_particles;
-        scheme.spin_by(workers, wheel, fewest, rng, indices);
+        let min = self.settings.min_particles;
+        scheme.draw_by(workers, cumulative, min, rng, indices);
         self.bins.clear();
         if indices.is_empty() {
             return;
         }
-        // The fewest are drawn in any case; if they are enough, they are the result.
+        // The min are drawn in any case; if they are enough, they are the result.
         for &index in &*indices {
             self.bins.insert(poses.at(index as usize));
         }
         let mut needed = self.settings.bound(self.quantile, self.bins.len());
-        if needed <= fewest {
+        if needed <= min {
             return;
         }
-        let mut place = rng.next_u64();
-        let mut drawn = fewest;
+        let mut position = rng.next_u64();
+        let mut drawn = min;
         while drawn < needed && needed < self.settings.max_particles {
-            // The upper 53 bits as a share of the wheel.
-            let share = (place >> 11) as f64 / (1_u64 << 53) as f64;
-            if self.bins.insert(poses.at(wheel.index_at(share))) {
+            // The upper 53 bits as a share of the total weight.
+            let share = (position >> 11) as f64 / (1_u64 << 53) as f64;
+            if self.bins.insert(poses.at(cumulative.index_at(share))) {
                 needed = self.settings.bound(self.quantile, self.bins.len());
             }
             drawn += 1;
-            place = place.wrapping_add(GOLDEN);
+            position = position.wrapping_add(GOLDEN);
         }
-        scheme.spin_by(workers, wheel, needed, rng, indices);
+        scheme.draw_by(workers, cumulative, needed, rng, indices);
     }
     // ANCHOR_END: draw
 
-    /// In how many bins the particles of the last [`draw`](Kld::draw) were found: all bins of the belief,
-    /// up to those that ask for `max_particles`.
+    /// Number of bins of the last [`draw`](Kld::draw): all bins of the belief, up to those that
+    /// require `max_particles`.
     pub fn bins(&self) -> usize {
         self.bins.len()
     }

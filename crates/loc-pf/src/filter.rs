@@ -15,24 +15,24 @@
 //! assert!((mean - 0.5).abs() < 0.05);
 //! ```
 
-use crate::resample::Wheel;
+use crate::resample::CumulativeWeights;
 use crate::{Kld, KldSettings, Likelihood, Motion, Particles, Resampling, Workers};
 use loc_core::random::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// A cloud of particles with its randomness and its threads.
+/// A particle set with its randomness and its threads.
 #[derive(Debug)]
 pub struct ParticleFilter {
     particles: Particles,
     /// The particles before the last resampling; kept for its memory.
     spare: Particles,
-    wheel: Wheel,
+    cumulative: CumulativeWeights,
     indices: Vec<u32>,
     rng: ChaCha8Rng,
     workers: Workers,
 }
 
-/// What a measurement says of the cloud as a whole.
+/// What a measurement says of the particle set as a whole.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weighing {
     /// Logarithm of the mean likelihood; -inf where no particle can explain the measurement.
@@ -51,10 +51,10 @@ impl Clone for ParticleFilter {
 }
 
 impl ParticleFilter {
-    /// A filter that starts from a cloud and draws from `rng`, on the calling thread.
+    /// A filter that starts from a particle set and draws from `rng`, on the calling thread.
     pub fn new(particles: Particles, rng: ChaCha8Rng) -> Self {
-        let (spare, wheel, indices) = (Particles::new(), Wheel::new(), Vec::new());
-        ParticleFilter { particles, spare, wheel, indices, rng, workers: Workers::one() }
+        let (spare, cumulative, indices) = (Particles::new(), CumulativeWeights::new(), Vec::new());
+        ParticleFilter { particles, spare, cumulative, indices, rng, workers: Workers::one() }
     }
 
     /// The same with other threads; the results stay the same.
@@ -69,12 +69,12 @@ impl ParticleFilter {
         &self.workers
     }
 
-    /// The cloud.
+    /// The particle set.
     pub fn particles(&self) -> &Particles {
         &self.particles
     }
 
-    /// The cloud, to change.
+    /// The particle set, to change.
     pub fn particles_mut(&mut self) -> &mut Particles {
         &mut self.particles
     }
@@ -100,7 +100,7 @@ impl ParticleFilter {
     }
 
     /// Both [`weigh`](ParticleFilter::weigh) and [`normalize`](ParticleFilter::normalize), in one
-    /// pass over the cloud.
+    /// pass over the particle set.
     pub fn correct(&mut self, measurement: &impl Likelihood) -> Weighing {
         let ParticleFilter { workers, particles, .. } = self;
         let mass = workers.rate_and_add_up(particles, measurement);
@@ -119,38 +119,38 @@ impl ParticleFilter {
 
     /// Draws `count` particles in proportion to their weights (M8, M9), which are equal afterwards.
     pub fn resample(&mut self, scheme: Resampling, count: usize) {
-        let ParticleFilter { workers, wheel, particles, rng, indices, .. } = self;
-        wheel.set_by(workers, particles.log_weights());
-        scheme.spin_by(workers, wheel, count, rng, indices);
+        let ParticleFilter { workers, cumulative, particles, rng, indices, .. } = self;
+        cumulative.set_by(workers, particles.log_weights());
+        scheme.draw_by(workers, cumulative, count, rng, indices);
         self.copy_drawn();
     }
 
-    /// The same with as many particles as the spread of the cloud asks for; says how many.
+    /// The same with as many particles as the spread of the particle set asks for; says how many.
     pub fn resample_adaptively(&mut self, scheme: Resampling, kld: &mut Kld) -> usize {
         self.draw_adaptively(scheme, kld);
         self.copy_drawn();
         self.particles.len()
     }
 
-    /// The cloud before the last resampling, with its weights; empty before the first.
+    /// The particle set before the last resampling, with its weights; empty before the first.
     pub fn resampled_from(&self) -> &Particles {
         &self.spare
     }
 
-    /// How many particles the spread of the cloud asks for.
+    /// How many particles the spread of the particle set asks for.
     pub fn count_needed(&mut self, kld: &mut Kld) -> usize {
         self.draw_adaptively(Resampling::Systematic, kld);
         self.indices.len()
     }
 
     fn draw_adaptively(&mut self, scheme: Resampling, kld: &mut Kld) {
-        let ParticleFilter { workers, wheel, particles, rng, indices, .. } = self;
-        wheel.set_by(workers, particles.log_weights());
+        let ParticleFilter { workers, cumulative, particles, rng, indices, .. } = self;
+        cumulative.set_by(workers, particles.log_weights());
         let KldSettings { min_particles, max_particles, .. } = *kld.settings();
         if min_particles == max_particles {
-            return scheme.spin_by(workers, wheel, max_particles, rng, indices);
+            return scheme.draw_by(workers, cumulative, max_particles, rng, indices);
         }
-        kld.draw_by(workers, scheme, wheel, particles.poses(), rng, indices);
+        kld.draw_by(workers, scheme, cumulative, particles.poses(), rng, indices);
     }
 
     fn copy_drawn(&mut self) {

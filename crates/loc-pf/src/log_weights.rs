@@ -58,7 +58,7 @@ impl Default for Mass {
 }
 
 impl Mass {
-    /// The weights of a part of a cloud.
+    /// The weights of a part of a particle set.
     pub(crate) fn of(log_weights: &[f64]) -> Mass {
         Arch::new().dispatch(AddUp(log_weights))
     }
@@ -74,7 +74,7 @@ impl Mass {
         Arch::new().dispatch(TakeIn { log_weights, share, log_likelihoods, after })
     }
 
-    /// The weights of a whole cloud: parts added up in their order.
+    /// The weights of a whole particle set: parts added up in their order.
     pub(crate) fn total(parts: impl IntoIterator<Item = Mass>) -> Mass {
         parts.into_iter().fold(Mass::default(), Mass::plus)
     }

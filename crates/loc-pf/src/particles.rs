@@ -1,17 +1,17 @@
 //! The belief of a particle filter: many poses, each with a weight.
 //!
-//! Coordinates lie apart from each other (structure of arrays), so that loops over the cloud run
+//! Coordinates lie apart from each other (structure of arrays), so that loops over the particle set run
 //! through memory in order and take several particles at once. Weights are kept as logarithms:
 //! the product of 720 likelihoods is far below the smallest number, its logarithm is not.
 //!
 //! ```
 //! use loc_core::Pose2;
 //! use loc_pf::Particles;
-//! let mut cloud = Particles::from_poses([Pose2::IDENTITY, Pose2::new(1.0, 0.0, 0.0)]);
-//! cloud.log_weights_mut()[1] = -4000.0;
-//! cloud.normalize();
-//! assert_eq!(cloud.weight(0), 1.0);
-//! assert!((cloud.effective_sample_size() - 1.0).abs() < 1e-9);
+//! let mut particles = Particles::from_poses([Pose2::IDENTITY, Pose2::new(1.0, 0.0, 0.0)]);
+//! particles.log_weights_mut()[1] = -4000.0;
+//! particles.normalize();
+//! assert_eq!(particles.weight(0), 1.0);
+//! assert!((particles.effective_sample_size() - 1.0).abs() < 1e-9);
 //! ```
 
 use crate::Workers;
@@ -120,12 +120,12 @@ impl Particles {
 
     /// Particles at the given poses, all of the same weight.
     pub fn from_poses(poses: impl IntoIterator<Item = Pose2>) -> Self {
-        let mut cloud = Particles::new();
+        let mut particles = Particles::new();
         for pose in poses {
-            cloud.push(pose, 0.0);
+            particles.push(pose, 0.0);
         }
-        cloud.set_equal_weights();
-        cloud
+        particles.set_equal_weights();
+        particles
     }
 
     /// `count` particles drawn from a belief about the pose.
@@ -188,7 +188,7 @@ impl Particles {
         (self.x[index], self.y[index], self.theta[index]) = (pose.x, pose.y, pose.theta);
     }
 
-    /// Puts `strangers` in the places of particles spread evenly over the cloud, which get the mean
+    /// Puts `strangers` in the places of particles spread evenly over the particle set, which get the mean
     /// weight; at most all of them.
     pub fn replace_evenly(&mut self, strangers: &[Pose2]) {
         let equal = -(self.len() as f64).ln();

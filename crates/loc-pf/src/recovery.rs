@@ -1,8 +1,8 @@
 //! Finding the robot again after it was carried off, or lost for another reason (A3).
 //!
-//! A cloud that follows one place never looks at another by itself. [`AugmentedMcl`] replaces a
+//! A particle set that follows one place never looks at another by itself. [`AugmentedMcl`] replaces a
 //! share of it by particles from all over the map when scans fit worse than they used to.
-//! [`Suspicion`] is sharper: it weighs the evidence that the robot is where the cloud says against
+//! [`Suspicion`] is sharper: it weighs the evidence that the robot is where the particle set says against
 //! that of its being anywhere else, as a Bayes filter over these two, and calls for a global search
 //! only when the second gains ground.
 //!
@@ -18,7 +18,7 @@
 use crate::Result;
 use loc_core::error::{in_range, positive, probability};
 
-// Is the robot where the cloud is, or anywhere else? A Bayes filter over the two.
+// Is the robot where the particle set is, or anywhere else? A Bayes filter over the two.
 
 /// Settings of [`Suspicion`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,10 +75,10 @@ pub struct UsualEvidence {
     pub least: f64,
 }
 
-/// The probability that the robot is not where its cloud is.
+/// The probability that the robot is not where its particle set is.
 ///
-/// Every scan is evidence for the one and the other. That it is at the cloud: the mean likelihood
-/// of the scan over the predicted cloud. That it is anywhere else: a scan fits its own place about
+/// Every scan is evidence for the one and the other. That it is at the particle set: the mean likelihood
+/// of the scan over the predicted particle set. That it is anywhere else: a scan fits its own place about
 /// as well as the last ones fitted theirs, but there are many places, and their number counts
 /// against each of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,7 +131,7 @@ impl Suspicion {
     }
 
     /// Takes in a scan: `log_evidence` is the logarithm of its mean likelihood over the predicted
-    /// cloud, as that of `beams` independent beams. Returns the probability of being elsewhere.
+    /// particle set, as that of `beams` independent beams. Returns the probability of being elsewhere.
     pub fn update(&mut self, log_evidence: f64, beams: f64) -> f64 {
         self.waiting = self.waiting.saturating_sub(1);
         if beams <= 0.0 || log_evidence.is_nan() {
@@ -174,7 +174,7 @@ impl Suspicion {
         }
     }
 
-    /// No suspicion any more: the cloud is where it was suspected to be missing.
+    /// No suspicion any more: the particle set is where it was suspected to be missing.
     pub fn clear(&mut self) {
         (self.log_odds, self.pause, self.waiting) = (-SUREST, 1, 4);
         self.recent = self.expected;
@@ -239,7 +239,7 @@ impl AugmentedMcl {
         Ok(AugmentedMcl { settings, averages: None })
     }
 
-    /// Takes in `ln(mean likelihood of the particles)`; returns the share of the cloud to replace
+    /// Takes in `ln(mean likelihood of the particles)`; returns the share of the particle set to replace
     /// by random particles, in \[0, 1\].
     // ANCHOR: augmented
     pub fn update(&mut self, log_evidence: f64) -> f64 {
@@ -256,7 +256,7 @@ impl AugmentedMcl {
     }
     // ANCHOR_END: augmented
 
-    /// Forgets the past, after the cloud was spread anew.
+    /// Forgets the past, after the particle set was spread anew.
     pub fn reset(&mut self) {
         self.averages = None;
     }

@@ -1,7 +1,7 @@
-//! Work on a cloud in parts, by one thread or several, with the same result.
+//! Work on a particle set in parts, by one thread or several, with the same result.
 //!
-//! The cloud is cut into parts of a fixed size, whatever the number of threads. Each part has a
-//! random stream of its own, and sums over the cloud are those of the parts, added up in their
+//! The particle set is cut into parts of a fixed size, whatever the number of threads. Each part has a
+//! random stream of its own, and sums over the particle set are those of the parts, added up in their
 //! order: who works on a part, and when, changes nothing.
 //!
 //! A thread that has nothing to do falls asleep after some microseconds, and it takes as many to
@@ -12,10 +12,10 @@
 //! use loc_core::Pose2;
 //! use loc_pf::{Particles, Workers};
 //! let workers = Workers::new(2)?;
-//! let mut cloud = Particles::from_poses(vec![Pose2::IDENTITY; 2000]);
+//! let mut particles = Particles::from_poses(vec![Pose2::IDENTITY; 2000]);
 //! workers.within(|| {
-//!     workers.rate(&mut cloud, &|pose: Pose2| -pose.x.abs());
-//!     workers.rate(&mut cloud, &|pose: Pose2| -pose.y.abs());
+//!     workers.rate(&mut particles, &|pose: Pose2| -pose.x.abs());
+//!     workers.rate(&mut particles, &|pose: Pose2| -pose.y.abs());
 //! });
 //! assert_eq!(workers.threads(), 2);
 //! # Ok::<(), loc_pf::Error>(())
@@ -29,7 +29,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 /// Particles of one part: enough to keep a thread busy, few enough to stay in its fastest memory.
 pub(crate) const PART: usize = 512;
 
-/// The threads that work on a cloud; copies share them.
+/// The threads that work on a particle set; copies share them.
 #[derive(Debug, Clone, Default)]
 pub struct Workers {
     #[cfg(feature = "threads")]

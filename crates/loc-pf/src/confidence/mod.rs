@@ -1,7 +1,7 @@
 //! Am I lost? The probability that the robot is not where its localizer says.
 //!
 //! A particle filter that converged at the wrong place looks like one at the right place: a tight
-//! cloud, a small covariance. What gives it away are the scans, which the map around the reported
+//! particle set, a small covariance. What gives it away are the scans, which the map around the reported
 //! pose does not explain. [`LostMonitor`] weighs that up from update to update and states one
 //! number, which is meant to be taken at its word: of all the times that it says 0.3, the robot is
 //! lost three times in ten. "Lost" means farther than a stated distance or turn from the reported
@@ -246,8 +246,8 @@ impl Tolerance {
     }
 
     /// Share of the belief's weight within this tolerance of the reported pose: the probability
-    /// that the robot is not lost, as far as the cloud itself knows. The weights must be
-    /// normalised; 0 for a cloud without particles.
+    /// that the robot is not lost, as far as the particle set itself knows. The weights must be
+    /// normalised; 0 for a particle set without particles.
     pub fn support(&self, particles: &Particles, reported: Pose2) -> f64 {
         Arch::new().dispatch(Support { tolerance: *self, particles, reported })
     }

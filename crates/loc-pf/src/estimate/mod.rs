@@ -1,6 +1,6 @@
-//! What a cloud says about the pose: mean, covariance, and the clusters it falls into.
+//! What a particle set says about the pose: mean, covariance, and the clusters it falls into.
 //!
-//! A particle filter believes in many poses at once; a robot needs one to act on. While the cloud
+//! A particle filter believes in many poses at once; a robot needs one to act on. While the particle set
 //! is a single heap, its mean and covariance ([`moments`]) say all. When the robot may be in any
 //! of three rooms that look alike, the mean of all particles lies in none of them: then the
 //! clusters ([`Clusterer`]) are the hypotheses, each with its share, and the heaviest is reported.
@@ -10,8 +10,8 @@
 //! use loc_pf::Particles;
 //! use loc_pf::estimate::{ClusterSettings, Clusterer};
 //! let belief = pose_belief(Pose2::new(4.0, 2.0, 3.1), [0.1, 0.1, 0.05]);
-//! let cloud = Particles::from_gaussian(&belief, 1000, &mut stream(1, "cloud"));
-//! let estimate = Clusterer::new(ClusterSettings::default())?.estimate(&cloud);
+//! let particles = Particles::from_gaussian(&belief, 1000, &mut stream(1, "cloud"));
+//! let estimate = Clusterer::new(ClusterSettings::default())?.estimate(&particles);
 //! assert_eq!(estimate.clusters.len(), 1);
 //! assert!(estimate.belief.pose().distance(Pose2::new(4.0, 2.0, 3.1)) < 0.02);
 //! # Ok::<(), loc_pf::Error>(())
@@ -28,25 +28,25 @@ use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
-/// What a cloud says about the pose.
+/// What a particle set says about the pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// The pose to act on, over (x, y, theta) \[m, m, rad\]: mean and covariance of the heaviest
-    /// cluster, or of the whole cloud where [`ClusterSettings::pose`] says so.
+    /// cluster, or of the whole particle set where [`ClusterSettings::pose`] says so.
     pub belief: Gaussian<3>,
-    /// All clusters, the heaviest first; none for a cloud without particles.
+    /// All clusters, the heaviest first; none for a particle set without particles.
     pub clusters: Vec<Cluster>,
 }
 
 impl Estimate {
-    /// Share of the heaviest cluster; 0 for a cloud without particles.
+    /// Share of the heaviest cluster; 0 for a particle set without particles.
     pub fn share(&self) -> f64 {
         self.clusters.first().map_or(0.0, |cluster| cluster.share)
     }
 }
 
 impl Clusterer {
-    /// Clusters a cloud and takes the pose from it.
+    /// Clusters a particle set and takes the pose from it.
     pub fn estimate(&mut self, particles: &Particles) -> Estimate {
         let clusters = self.clusters(particles);
         let heaviest = clusters.first().map(|cluster| cluster.belief);
@@ -58,24 +58,24 @@ impl Clusterer {
     }
 }
 
-// Mean and covariance of a weighted cloud.
+// Mean and covariance of a weighted particle set.
 
 /// Weighted mean and covariance of all particles.
 ///
 /// The mean heading is the direction of the sum of the unit vectors (circular mean); deviations
-/// from it are wrapped, so that a cloud about +-pi is as narrow as any other. Weights need not add
+/// from it are wrapped, so that a particle set about +-pi is as narrow as any other. Weights need not add
 /// up to 1.
 ///
 /// Where that sum vanishes (headings evenly all round, two opposite ones), no heading is better
 /// than another: the mean is then 0 with the variance of a heading that is not known at all,
 /// pi^2 / 3, uncorrelated with the position. Particles that are not finite count for nothing; a
-/// cloud without any others has the mean 0, no spread in position and an unknown heading.
+/// particle set without any others has the mean 0, no spread in position and an unknown heading.
 ///
 /// ```
 /// use loc_core::Pose2;
 /// use loc_pf::{Particles, estimate::moments};
-/// let cloud = Particles::from_poses([Pose2::new(1.0, 0.0, 3.1), Pose2::new(3.0, 0.0, -3.1)]);
-/// let belief = moments(&cloud);
+/// let particles = Particles::from_poses([Pose2::new(1.0, 0.0, 3.1), Pose2::new(3.0, 0.0, -3.1)]);
+/// let belief = moments(&particles);
 /// assert!((belief.mean.x - 2.0).abs() < 1e-12 && belief.mean.z.abs() > 3.14);
 /// assert!((belief.covariance.m33.sqrt() - 0.0416).abs() < 1e-4);
 /// ```

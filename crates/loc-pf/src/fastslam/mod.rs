@@ -171,11 +171,11 @@ impl FastSlam {
 
     /// The poses of the particles with their weights.
     pub fn particles(&self) -> Particles {
-        let mut cloud = Particles::new();
+        let mut particles = Particles::new();
         for (particle, &log_weight) in self.particles.iter().zip(&self.log_weights) {
-            cloud.push(particle.pose(), log_weight);
+            particles.push(particle.pose(), log_weight);
         }
-        cloud
+        particles
     }
 
     /// Corrects with all observations of one moment, any number of them, and says what became of each

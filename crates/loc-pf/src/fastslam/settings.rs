@@ -41,7 +41,7 @@ pub struct FastSlamSettings {
     /// Probability, in (0, 1], that a landmark in the middle of the view is not seen. Without
     /// numbers on landmarks only.
     pub miss_share: f64,
-    /// The cloud is resampled where its effective sample size falls below this share.
+    /// The particle set is resampled where its effective sample size falls below this share.
     pub resample_below: f64,
     /// How particles are drawn.
     pub resampling: Resampling,

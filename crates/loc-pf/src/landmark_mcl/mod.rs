@@ -1,6 +1,6 @@
 //! Monte Carlo localization with landmarks whose places are known (M5).
 //!
-//! A cloud of particles drives as the odometry says, each with an error of its own; every observation
+//! A particle set drives as the odometry says, each with an error of its own; every observation
 //! of a landmark favours those that would have seen it so. Unlike the extended Kalman filter it
 //! needs no start pose, holds several possible places apart until an observation decides, and finds
 //! back after it was carried away.
@@ -66,17 +66,17 @@ pub struct LandmarkMcl {
     velocities: Velocities,
 }
 
-/// What the filter knows beside its cloud.
+/// What the filter knows beside its particle set.
 #[derive(Debug, Clone, Copy)]
 struct State {
-    /// The time to which the cloud belongs \[s\].
+    /// The time to which the particle set belongs \[s\].
     stamp: f64,
-    /// What the cloud says about the pose.
+    /// What the particle set says about the pose.
     belief: Gaussian<3>,
     fit: Fit,
-    /// Whether the cloud lies anywhere and waits for its first observation.
+    /// Whether the particle set lies anywhere and waits for its first observation.
     anywhere: bool,
-    /// Whether the last observations made it draw a new cloud.
+    /// Whether the last observations made it draw a new particle set.
     resampled: bool,
 }
 
@@ -103,7 +103,7 @@ impl LandmarkMcl {
     }
 
     /// A robot that stands still at `stamp` \[s\] anywhere around the landmarks (A2). With the
-    /// first observations the cloud gathers where those may have been seen from.
+    /// first observations the particle set gathers where those may have been seen from.
     ///
     /// # Errors
     /// As [`LandmarkMcl::new`].
@@ -186,12 +186,12 @@ impl LandmarkMcl {
         }))
     }
 
-    /// The cloud, at the time of the last observation.
+    /// The particle set, at the time of the last observation.
     pub fn particles(&self) -> &Particles {
         self.filter.particles()
     }
 
-    /// The cloud as the last observations weighed it, if it was resampled then.
+    /// The particle set as the last observations weighed it, if it was resampled then.
     pub fn weighed(&self) -> Option<&Particles> {
         Some(self.filter.resampled_from())
             .filter(|before| self.state.resampled && !before.is_empty())

@@ -20,7 +20,7 @@ pub struct LandmarkMclSettings {
     pub sights: ObservationModel,
     /// How far the robot may be outside of the box around the landmarks \[m\].
     pub margin: f64,
-    /// The cloud is resampled where its effective sample size falls below this share.
+    /// The particle set is resampled where its effective sample size falls below this share.
     pub resample_below: f64,
     /// How particles are drawn.
     pub resampling: Resampling,

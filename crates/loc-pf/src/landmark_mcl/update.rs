@@ -23,7 +23,7 @@ pub struct ObservationUpdate {
     pub trust: Vec<Trust>,
     /// Effective sample size after weighing.
     pub effective_sample_size: f64,
-    /// Whether the cloud was resampled.
+    /// Whether the particle set was resampled.
     pub resampled: bool,
     /// Number of particles that were put elsewhere because the observations do not fit.
     pub replaced: usize,
@@ -104,10 +104,10 @@ impl LandmarkMcl {
         Ok(ObservationUpdate { trust, effective_sample_size, resampled, replaced })
     }
 
-    /// Weighs the cloud; answers with the share of particles to replace.
+    /// Weighs the particle set; answers with the share of particles to replace.
     ///
     /// Where only a handful of particles would carry all the weight, the observations are taken in by
-    /// degrees: a part of the log-likelihood that leaves enough of them, a new cloud drawn, and then
+    /// degrees: a part of the log-likelihood that leaves enough of them, a new particle set drawn, and then
     /// the rest (progressive correction, Oudjane and Musso 2000).
     fn weigh(&mut self, likelihood: &LandmarkLikelihood) -> f64 {
         let enough = ENOUGH * self.settings.particles as f64;
@@ -147,7 +147,7 @@ impl LandmarkMcl {
         }
     }
 
-    /// Puts the cloud where the observations may have been made.
+    /// Puts the particle set where the observations may have been made.
     fn gather(&mut self, likelihood: &LandmarkLikelihood) {
         let resetting = SensorResetting::new(likelihood, self.region);
         let (count, region) = (self.settings.particles, self.region);
@@ -158,7 +158,7 @@ impl LandmarkMcl {
         *Arc::make_mut(&mut self.filter).particles_mut() = cloud;
     }
 
-    /// Draws a new cloud, `replaced` of it from the observations.
+    /// Draws a new particle set, `replaced` of it from the observations.
     fn resample(&mut self, likelihood: &LandmarkLikelihood, replaced: usize) {
         let kept = self.settings.particles - replaced;
         Arc::make_mut(&mut self.filter).resample(self.settings.resampling, kept);
@@ -175,7 +175,7 @@ impl LandmarkMcl {
         Arc::make_mut(&mut self.filter).particles_mut().set_equal_weights();
     }
 
-    /// Moves copies of one particle apart and the cloud together by as much, so that its mean and
+    /// Moves copies of one particle apart and the particle set together by as much, so that its mean and
     /// covariance stay (Liu and West 2001).
     fn roughen(&mut self) {
         let mean = self.state.belief.mean;
@@ -195,8 +195,8 @@ impl LandmarkMcl {
         }
     }
 
-    /// Width of the kernel in standard deviations of the cloud: the one that suits a normal
-    /// distribution (Silverman 1986), less where a cloud is so wide that it is none.
+    /// Width of the kernel in standard deviations of the particle set: the one that suits a normal
+    /// distribution (Silverman 1986), less where a particle set is so wide that it is none.
     fn kernel_width(&self) -> f64 {
         let covariance = &self.state.belief.covariance;
         let noise = &self.settings.sights.noise;
@@ -218,7 +218,7 @@ fn rated(after: &[f64], before: &[f64]) -> Vec<f64> {
 }
 
 /// The largest power, up to `rest`, of the likelihood that leaves `enough` particles; all of it
-/// where not even the least part does: the observations then contradict the cloud.
+/// where not even the least part does: the observations then contradict the particle set.
 fn bearable(before: &[f64], rated: &[f64], rest: f64, enough: f64) -> f64 {
     let (mut low, mut high) = (0.0, rest);
     for _ in 0..HALVINGS {
@@ -256,7 +256,7 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// Takes in the observations of one moment: the logarithms of their mean likelihood over the cloud
+    /// Takes in the observations of one moment: the logarithms of their mean likelihood over the particle set
     /// and of the largest possible one, and their number. Answers with the share of particles to
     /// replace.
     pub(super) fn update(

@@ -1,4 +1,4 @@
-//! The part of the filter that changes: the cloud, and what decides over it.
+//! The part of the filter that changes: the particle set, and what decides over it.
 
 use super::scan::{Observation, Surroundings};
 use super::{MclSettings, MotionSettings, UpdateReport};
@@ -30,7 +30,7 @@ pub(super) struct Belief {
     pub(super) everywhere: Tempering,
     pub(super) suspicion: Option<Suspicion>,
     pub(super) augmented: Option<AugmentedMcl>,
-    /// Whether the cloud has seen a scan since it was spread, and whether over the whole map.
+    /// Whether the particle set has seen a scan since it was spread, and whether over the whole map.
     pub(super) has_seen: bool,
     pub(super) is_anywhere: bool,
     pub(super) updates_since_resampling: usize,
@@ -58,12 +58,12 @@ impl Belief {
         })
     }
 
-    /// Whether the cloud is spread over the whole map and has seen nothing yet.
+    /// Whether the particle set is spread over the whole map and has seen nothing yet.
     pub(super) fn is_looking(&self) -> bool {
         self.is_anywhere && !self.has_seen
     }
 
-    /// Moves the cloud by a step and weighs it by scans.
+    /// Moves the particle set by a step and weighs it by scans.
     pub(super) fn update(
         &mut self,
         step: &Step,
@@ -76,7 +76,7 @@ impl Belief {
         let found = if is_lost { self.look_everywhere(map, scan, endpoints) } else { None };
         let (report, searched) = match found {
             Some(found) => {
-                *self.filter.particles_mut() = found.cloud;
+                *self.filter.particles_mut() = found.particles;
                 (TemperingReport { stages: 1, log_evidence: found.log_evidence }, true)
             }
             None => (self.track(step, scan), false),
@@ -124,14 +124,14 @@ impl Belief {
         }
     }
 
-    /// Moves and weighs the present cloud, which a search has found.
+    /// Moves and weighs the present particle set, which a search has found.
     pub(super) fn track_elsewhere(&mut self, step: &Step, scan: &Observation<'_>) {
         let count = self.filter.count_needed(&mut self.kld);
         self.everywhere.update(&mut self.filter, step, scan, count);
         self.shrink(count);
     }
 
-    /// Draws fewer particles where a cloud has outgrown its need, after a search, say.
+    /// Draws fewer particles where a particle set has outgrown its need, after a search, say.
     fn shrink(&mut self, count: usize) {
         if self.filter.particles().len() > 2 * count {
             self.filter.resample(self.resampling, count);

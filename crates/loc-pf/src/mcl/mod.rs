@@ -111,7 +111,7 @@ impl Mcl {
         &self.settings
     }
 
-    /// The cloud.
+    /// The particle set.
     pub fn particles(&self) -> &Particles {
         self.belief.filter.particles()
     }
@@ -178,8 +178,8 @@ impl Mcl {
     /// Takes in the odometry's pose and what the lasers measured there. The first scan after a
     /// start counts in any case, later ones when the robot has moved enough.
     ///
-    /// A jump of the odometry is a motion like any other: the cloud follows it, and if no scan
-    /// bears it out the robot is searched for. Without valid beams the cloud is moved only.
+    /// A jump of the odometry is a motion like any other: the particle set follows it, and if no scan
+    /// bears it out the robot is searched for. Without valid beams the particle set is moved only.
     ///
     /// # Errors
     /// A scan that cannot be one ([`LaserScan::check`](loc_sensors::laser::LaserScan::check)) and a
@@ -265,11 +265,11 @@ impl Mcl {
         }
     }
 
-    /// The cloud after the step, without its noise.
+    /// The particle set after the step, without its noise.
     fn predicted(&self, step: &Step) -> Particles {
-        let cloud = self.belief.filter.particles();
+        let particles = self.belief.filter.particles();
         let mut predicted = Particles::new();
-        for (pose, weight) in cloud.poses().iter().zip(cloud.log_weights()) {
+        for (pose, weight) in particles.poses().iter().zip(particles.log_weights()) {
             predicted.push(step.moved(pose, [0.0; 4]), *weight);
         }
         predicted
@@ -281,15 +281,15 @@ impl Mcl {
     pub fn start_anywhere(&mut self) {
         let count = self.settings.particles.max_particles;
         let (free_space, rng) = (&self.surroundings.free_space, self.belief.filter.rng_mut());
-        let cloud = Particles::from_poses((0..count).map(|_| free_space.draw(rng)));
-        self.restart(cloud, None);
+        let particles = Particles::from_poses((0..count).map(|_| free_space.draw(rng)));
+        self.restart(particles, None);
     }
 
     /// Starts from a belief about the pose (A1), with the most particles that the settings allow.
     ///
     /// # Errors
     /// [`loc_core::Error::NotACovariance`], and [`Error::OffMap`] for a mean that is not on the map
-    /// (walls and unknown space are: a map may be wrong there). The cloud stays as it was then.
+    /// (walls and unknown space are: a map may be wrong there). The particle set stays as it was then.
     pub fn start_at(&mut self, belief: &Gaussian<3>) -> Result<()> {
         let pose = belief.pose();
         check_covariance("covariance of the start pose", &belief.covariance)?;
@@ -297,14 +297,14 @@ impl Mcl {
             return Err(Error::OffMap { x: pose.x, y: pose.y });
         }
         let count = self.settings.particles.max_particles;
-        let cloud = Particles::from_gaussian(belief, count, self.belief.filter.rng_mut());
-        self.restart(cloud, Some(*belief));
+        let particles = Particles::from_gaussian(belief, count, self.belief.filter.rng_mut());
+        self.restart(particles, Some(*belief));
         Ok(())
     }
 
-    fn restart(&mut self, cloud: Particles, start: Option<Gaussian<3>>) {
+    fn restart(&mut self, particles: Particles, start: Option<Gaussian<3>>) {
         let belief = &mut self.belief;
-        *belief.filter.particles_mut() = cloud;
+        *belief.filter.particles_mut() = particles;
         (self.path, self.start, self.challenger) = (None, start, None);
         (belief.has_seen, belief.is_anywhere) = (false, start.is_none());
         belief.updates_since_resampling = 0;
@@ -366,16 +366,16 @@ impl Mcl {
 pub enum Update {
     /// Nothing but noting the odometry: the robot has not moved enough since the last update.
     StoodStill,
-    /// The cloud was moved and weighed.
+    /// The particle set was moved and weighed.
     Done(UpdateReport),
 }
 
 /// How an update went.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UpdateReport {
-    /// How often the cloud was rated: once, unless the scan was taken in by degrees.
+    /// How often the particle set was rated: once, unless the scan was taken in by degrees.
     pub stages: usize,
-    /// Logarithm of the mean likelihood of the scans over the predicted cloud.
+    /// Logarithm of the mean likelihood of the scans over the predicted particle set.
     pub log_evidence: f64,
     /// Effective sample size at the end.
     pub effective_sample_size: f64,
@@ -400,7 +400,7 @@ fn check(odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<()> {
 
 // What a filter knows, to be kept over a restart of the robot.
 
-/// Everything that changes while an [`Mcl`] runs: cloud, randomness, averages, and the way since
+/// Everything that changes while an [`Mcl`] runs: particle set, randomness, averages, and the way since
 /// the last update. Map and settings are not part of it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -1,8 +1,8 @@
 //! A second belief beside the tracked one: the robot may be elsewhere.
 //!
 //! One scan proves little. Among people it may fit a false place better than the true one, and a
-//! cloud that follows it is lost. So the places that a search finds far away do not enter the
-//! cloud. They are a belief of their own, the challenger, which is moved and weighed as the first
+//! particle set that follows it is lost. So the places that a search finds far away do not enter the
+//! particle set. They are a belief of their own, the challenger, which is moved and weighed as the first
 //! one is. Two judges watch both over the next scans: the likelihood of the scans, and the monitor
 //! of [`crate::confidence`], which asks how the map explains all beams at the pose that a belief
 //! reports, above all whether beams end behind walls, which no crowd can feign. The challenger
@@ -23,11 +23,11 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Challenger {
-    cloud: Particles,
+    particles: Particles,
     monitor: LostMonitor,
     /// Scans that it has taken in.
     scans: u32,
-    /// How much better the scans fit there than at the tracked cloud, the one that led there left
+    /// How much better the scans fit there than at the tracked particle set, the one that led there left
     /// out: it was chosen for that \[nats\].
     gain: f64,
 }
@@ -43,8 +43,8 @@ const PATIENCE: u32 = 10;
 
 impl Challenger {
     /// A belief that nothing has been said about.
-    pub(super) fn new(cloud: Particles, monitor: LostMonitor) -> Self {
-        Challenger { cloud, monitor, scans: 0, gain: 0.0 }
+    pub(super) fn new(particles: Particles, monitor: LostMonitor) -> Self {
+        Challenger { particles, monitor, scans: 0, gain: 0.0 }
     }
 
     /// Whether the monitor and the scans call it clearly better than the tracked belief.
@@ -71,11 +71,11 @@ impl Mcl {
     /// one. Says whether the map was searched.
     pub(super) fn challenge(&mut self, step: &Step, scans: &[MountedScan<'_>]) -> Result<bool> {
         if let Some(mut challenger) = self.challenger.take() {
-            self.exchange_clouds(&mut challenger);
+            self.swap_particles(&mut challenger);
             let weighed = self.weigh_challenger(step, scans);
-            self.exchange_clouds(&mut challenger);
+            self.swap_particles(&mut challenger);
             weighed?;
-            challenger.gain += self.gain(&challenger.cloud, scans)?;
+            challenger.gain += self.gain(&challenger.particles, scans)?;
             self.judge(&mut challenger, scans);
             self.decide(challenger);
             return Ok(false);
@@ -88,7 +88,7 @@ impl Mcl {
         Ok(is_suspected)
     }
 
-    /// Moves and weighs the present cloud as the tracked one, with the beams that it expects.
+    /// Moves and weighs the present particle set as the tracked one, with the beams that it expects.
     fn weigh_challenger(&mut self, step: &Step, scans: &[MountedScan<'_>]) -> Result<()> {
         let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
         let beams = self.familiar(step, scans, beams)?;
@@ -98,21 +98,21 @@ impl Mcl {
         Ok(())
     }
 
-    /// How much better scans fit at a cloud than at the tracked one \[nats\]. All beams count, those
+    /// How much better scans fit at a particle set than at the tracked one \[nats\]. All beams count, those
     /// too that either would not expect.
-    fn gain(&self, cloud: &Particles, scans: &[MountedScan<'_>]) -> Result<f64> {
+    fn gain(&self, particles: &Particles, scans: &[MountedScan<'_>]) -> Result<f64> {
         let beams: Vec<_> = scans.iter().map(|s| select(s.scan, &self.settings)).collect();
         let endpoints = endpoints(scans, &beams, self.range_offset());
         let scan = self.surroundings.observe(scans, &beams, &endpoints, &self.settings)?;
         let tracked = self.belief.filter.particles();
-        Ok(fit(&scan, cloud) - fit(&scan, tracked))
+        Ok(fit(&scan, particles) - fit(&scan, tracked))
     }
 
     /// Lets the monitor look at the pose that the challenger reports.
     fn judge(&mut self, challenger: &mut Challenger, scans: &[MountedScan<'_>]) {
-        let Challenger { cloud, monitor, .. } = challenger;
-        let pose = self.clusterer.estimate(cloud).belief.pose();
-        let support = self.settings.lost.tolerance.support(cloud, pose);
+        let Challenger { particles, monitor, .. } = challenger;
+        let pose = self.clusterer.estimate(particles).belief.pose();
+        let support = self.settings.lost.tolerance.support(particles, pose);
         monitor.update(self.rater.rate(pose, scans), support);
         challenger.scans += 1;
     }
@@ -120,7 +120,7 @@ impl Mcl {
     /// Whom to believe, and whether to go on with the other one.
     fn decide(&mut self, mut challenger: Challenger) {
         if challenger.takes_over_from(&self.monitor) {
-            self.exchange_clouds(&mut challenger);
+            self.swap_particles(&mut challenger);
             std::mem::swap(&mut self.monitor, &mut challenger.monitor);
             (challenger.scans, challenger.gain) = (0, 0.0);
             self.estimate = self.clusterer.estimate(self.belief.filter.particles());
@@ -133,12 +133,12 @@ impl Mcl {
         }
     }
 
-    fn exchange_clouds(&mut self, challenger: &mut Challenger) {
-        std::mem::swap(self.belief.filter.particles_mut(), &mut challenger.cloud);
+    fn swap_particles(&mut self, challenger: &mut Challenger) {
+        std::mem::swap(self.belief.filter.particles_mut(), &mut challenger.particles);
     }
 
     /// Looks for the robot where it is not tracked. What is found beside the reported pose goes into
-    /// the cloud; another place makes a challenger.
+    /// the particle set; another place makes a challenger.
     pub(super) fn look_elsewhere(
         &mut self,
         scans: &[MountedScan<'_>],
@@ -150,8 +150,8 @@ impl Mcl {
                 self.belief.suspicion.iter_mut().for_each(Suspicion::clear);
                 Ok(None)
             }
-            Found::Elsewhere(cloud) => {
-                Ok(Some(Challenger::new(cloud, LostMonitor::new(self.settings.lost)?)))
+            Found::Elsewhere(particles) => {
+                Ok(Some(Challenger::new(particles, LostMonitor::new(self.settings.lost)?)))
             }
             Found::Nothing => {
                 self.searched_in_vain();
@@ -180,17 +180,17 @@ impl Mcl {
         let reported = self.estimate.belief.pose();
         let spread = Spread([0.5 * distance, 0.5 * distance, 0.5 * turn]);
         if let Some(beside) = belief.spread_over(&[reported], spread, surroundings, &scan)
-            && fit(&scan, &beside.cloud) > here + CLEARLY
+            && fit(&scan, &beside.particles) > here + CLEARLY
         {
-            let pose = clusterer.estimate(&beside.cloud).belief.pose();
+            let pose = clusterer.estimate(&beside.particles).belief.pose();
             if pose.distance(reported) < 2.0 * distance && shift(pose) < shift(reported).min(0.0) {
-                return Ok(Found::Beside(beside.cloud));
+                return Ok(Found::Beside(beside.particles));
             }
         }
         let places = credible(surroundings.places(&endpoints), shift);
         let found = belief.spread_over(&places, SPREAD, surroundings, &scan);
-        let found = found.filter(|found| fit(&scan, &found.cloud) > here);
-        Ok(found.map_or(Found::Nothing, |found| Found::Elsewhere(found.cloud)))
+        let found = found.filter(|found| fit(&scan, &found.particles) > here);
+        Ok(found.map_or(Found::Nothing, |found| Found::Elsewhere(found.particles)))
     }
 
     /// Nothing came of a search. The next one waits, unless the robot is lost in any case.
@@ -206,7 +206,7 @@ impl Mcl {
 /// \[nats\].
 const CREDIBLE: f64 = 1.0;
 
-/// The share of the cloud that goes to a place beside it.
+/// The share of the particle set that goes to a place beside it.
 const SHIFTED: f64 = 0.95;
 
 /// What a look around found.
@@ -248,7 +248,7 @@ impl Transport for Spread {
 /// What a search of the map found.
 pub(super) struct Elsewhere {
     /// Where the robot may be, with normalised weights.
-    pub(super) cloud: Particles,
+    pub(super) particles: Particles,
     /// ln(mean likelihood of the scan over the whole map).
     pub(super) log_evidence: f64,
 }
@@ -265,7 +265,7 @@ impl Belief {
         self.spread_over(&map.places(endpoints), SPREAD, map, scan)
     }
 
-    /// A cloud about some places, weighed by a scan; the filter's own stays as it is.
+    /// A particle set about some places, weighed by a scan; the filter's own stays as it is.
     pub(super) fn spread_over(
         &mut self,
         places: &[Pose2],
@@ -280,30 +280,30 @@ impl Belief {
         let around = places.iter().cycle().take(count).copied();
         let here = std::mem::replace(self.filter.particles_mut(), Particles::from_poses(around));
         let report = self.everywhere.update(&mut self.filter, &spread, scan, count);
-        let cloud = std::mem::replace(self.filter.particles_mut(), here);
+        let particles = std::mem::replace(self.filter.particles_mut(), here);
         // Each place stands for the volume of its spread, the map for all of its free space.
         let volume = places.len() as f64 * TAU.powf(1.5) * spread.0.iter().product::<f64>();
         let log_evidence = report.log_evidence + (volume / (map.free_space.area() * TAU)).ln();
-        Some(Elsewhere { cloud, log_evidence })
+        Some(Elsewhere { particles, log_evidence })
     }
 
-    /// Mixes what a search found into the cloud, with the probability of being there.
+    /// Mixes what a search found into the particle set, with the probability of being there.
     pub(super) fn mix_in(&mut self, elsewhere: &Particles, probability: f64) {
-        let cloud = self.filter.particles_mut();
+        let particles = self.filter.particles_mut();
         let shift = (1.0 - probability).ln();
-        cloud.log_weights_mut().iter_mut().for_each(|weight| *weight += shift);
+        particles.log_weights_mut().iter_mut().for_each(|weight| *weight += shift);
         let shift = probability.ln();
         for (pose, weight) in elsewhere.poses().iter().zip(elsewhere.log_weights()) {
-            cloud.push(pose, weight + shift);
+            particles.push(pose, weight + shift);
         }
-        cloud.normalize();
+        particles.normalize();
     }
 }
 
-/// How well a scan fits at a cloud: the mean of its log-likelihoods \[nats\].
-pub(super) fn fit(scan: &impl Likelihood, cloud: &Particles) -> f64 {
-    let mut ratings = vec![0.0; cloud.len()];
-    scan.rate(cloud.poses(), &mut ratings);
-    let pairs = ratings.iter().zip(cloud.weights()).filter(|(_, weight)| *weight > 0.0);
+/// How well a scan fits at a particle set: the mean of its log-likelihoods \[nats\].
+pub(super) fn fit(scan: &impl Likelihood, particles: &Particles) -> f64 {
+    let mut ratings = vec![0.0; particles.len()];
+    scan.rate(particles.poses(), &mut ratings);
+    let pairs = ratings.iter().zip(particles.weights()).filter(|(_, weight)| *weight > 0.0);
     pairs.map(|(rating, weight)| rating * weight).sum()
 }

@@ -88,7 +88,7 @@ pub(super) struct Surroundings {
 /// Places that a search answers with.
 const PLACES: usize = 64;
 
-/// Poses that stand for the cloud when beams are filtered.
+/// Poses that stand for the particle set when beams are filtered.
 const SAMPLE: usize = 64;
 
 impl Surroundings {

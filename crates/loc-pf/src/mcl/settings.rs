@@ -54,7 +54,7 @@ pub struct MclSettings {
     pub policy: ResamplePolicy,
     /// How the robot is found again, and found at the start.
     pub recovery: RecoverySettings,
-    /// How the cloud falls into clusters.
+    /// How the particle set falls into clusters.
     pub clusters: ClusterSettings,
     /// When the robot counts as lost.
     pub lost: LostSettings,

@@ -18,9 +18,9 @@
 //! let noise = OdometryNoise { alpha1: 0.1, alpha2: 0.1, alpha3: 0.1, alpha4: 0.1 };
 //! let (before, now) = (Pose2::new(2.0, 1.0, 0.0), Pose2::new(3.0, 1.0, 0.0));
 //! let step = DifferentialStep::between(before, now, &noise)?;
-//! let mut cloud = Particles::from_poses(vec![Pose2::IDENTITY; 1000]);
-//! step.sample(cloud.poses_mut(), &mut stream(1, "motion"));
-//! let mean = cloud.poses().x.iter().sum::<f64>() / 1000.0;
+//! let mut particles = Particles::from_poses(vec![Pose2::IDENTITY; 1000]);
+//! step.sample(particles.poses_mut(), &mut stream(1, "motion"));
+//! let mean = particles.poses().x.iter().sum::<f64>() / 1000.0;
 //! assert!((mean - 0.95).abs() < 0.05);
 //! # Ok::<(), loc_pf::Error>(())
 //! ```

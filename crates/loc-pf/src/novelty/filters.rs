@@ -22,7 +22,7 @@ use nalgebra::Point2;
 ///   the room full, and all are kept;
 /// * beams that are too long are kept always, and tell a robot at a wrong place that it is lost;
 /// * in a room as mapped a beam has to be too short by 2.3 `sigma_hit` at all poses, which noise
-///   and a cloud off by less hardly do.
+///   and a particle set off by less hardly do.
 ///
 /// A few rays are cast for a beam that is kept, one for each pose of the sample for a dropped one.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,7 +9,7 @@
 //! a beam that would make the robot less sure of its pose; it works for any sensor, but also drops
 //! the news that the robot is somewhere else.
 //!
-//! Both look at a [`BeliefSample`], a few poses of the cloud after the motion and before weighing.
+//! Both look at a [`BeliefSample`], a few poses of the particle set after the motion and before weighing.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -30,8 +30,8 @@
 //! };
 //! let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
 //! let belief = pose_belief(Pose2::new(5.0, 5.0, 0.0), [0.1, 0.1, 0.05]);
-//! let cloud = Particles::from_gaussian(&belief, 500, &mut stream(1, "filter"));
-//! let sample = BeliefSample::of(&cloud, 64);
+//! let particles = Particles::from_gaussian(&belief, 500, &mut stream(1, "filter"));
+//! let sample = BeliefSample::of(&particles, 64);
 //! let kept = DistanceFilter::default().keep(&caster, &sample, &mounted, &[0, 1, 2, 3, 4])?;
 //! assert_eq!((kept.beams, kept.novel), (vec![0, 2, 3, 4], 1));
 //! # Ok::<(), loc_pf::Error>(())
@@ -66,9 +66,9 @@ fn without(beams: &[usize], is_novel: &[bool], most: f64) -> Kept {
     Kept { beams: kept.collect(), novel }
 }
 
-// A few poses that stand for a cloud.
+// A few poses that stand for a particle set.
 
-/// Poses of a cloud with weights that add up to 1.
+/// Poses of a particle set with weights that add up to 1.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BeliefSample {
     poses: Vec<Pose2>,
@@ -76,16 +76,16 @@ pub struct BeliefSample {
 }
 
 impl BeliefSample {
-    /// At most `count` particles, picked by their weights, evenly and without chance: a wheel of
-    /// `count` spokes (M9) that stands still. The weights of the cloud must be normalised.
+    /// At most `count` particles, picked by their weights, evenly and without chance: a cumulative of
+    /// `count` points (M9) that stands still. The weights of the particle set must be normalised.
     ///
-    /// Particles that several spokes meet are taken once, with the weight of all of them, so that
-    /// a cloud of few different poses makes a small sample. An empty cloud makes an empty one.
-    pub fn of(cloud: &Particles, count: usize) -> Self {
+    /// Particles that several points meet are taken once, with the weight of all of them, so that
+    /// a particle set of few different poses makes a small sample. An empty particle set makes an empty one.
+    pub fn of(particles: &Particles, count: usize) -> Self {
         let mut sample = BeliefSample::default();
         let each = 1.0 / count as f64;
         let (mut passed, mut spoke) = (0.0, 0.5 * each);
-        for (pose, weight) in cloud.poses().iter().zip(cloud.weights()) {
+        for (pose, weight) in particles.poses().iter().zip(particles.weights()) {
             passed += weight;
             let met = ((passed - spoke) / each).ceil().max(0.0);
             if met > 0.0 && spoke < 1.0 {
@@ -121,7 +121,7 @@ impl BeliefSample {
             let turn = angle::difference(pose.theta, mean.theta);
             Vector3::new(pose.x - mean.x, pose.y - mean.y, turn)
         };
-        // A cloud without width along some direction has a little there.
+        // A particle set without width along some direction has a little there.
         let mut covariance = Matrix3::identity() * 1e-12;
         for (pose, weight) in self.poses.iter().zip(&self.weights) {
             covariance += *weight * deviation(pose) * deviation(pose).transpose();

@@ -1,11 +1,11 @@
 //! Resampling: particles drawn in proportion to their weights (M8, M9, M11).
 //!
-//! After a measurement some particles are far likelier than others. Resampling draws a new cloud
+//! After a measurement some particles are far likelier than others. Resampling draws a new particle set
 //! from the old one, likely particles several times, unlikely ones never, and so puts the effort
-//! where the robot may be. Picture a wheel with one sector for each particle, as wide as its
-//! weight ([`Wheel`]): the schemes differ in how they point at it. All give each particle on
-//! average its share; from roulette over stratified to the spoke wheel, the number of copies strays
-//! less and less from that average, and what strays is lost diversity (M11).
+//! where the robot may be. All schemes draw points in the [`CumulativeWeights`], which have one
+//! interval for each particle, as wide as its weight. Each particle gets its share on average. From
+//! multinomial (roulette) over stratified to low-variance (systematic) resampling the number of
+//! copies varies less about that average; its variance is lost diversity (M11).
 //!
 //! ```
 //! use loc_core::random::stream;
@@ -16,24 +16,22 @@
 //! assert_eq!(drawn, [0, 1, 1, 1, 1, 1, 1, 2, 2, 2]);
 //! ```
 //!
-//! When to resample (M11).
-//!
-//! Resampling costs diversity: every time, some particles vanish for ever. Without measurements
-//! that tell particles apart there is nothing to gain from it, and a robot that stands still would
-//! lose its cloud to chance. So one resamples only every N-th update, or only when the weights
+//! [`ResamplePolicy`] says when to resample (M11). Resampling costs diversity: every time, some
+//! particles are lost. Without measurements that distinguish particles nothing is gained, and a robot
+//! that stands still would lose its hypotheses by chance. So one resamples only every N-th update, or only when the weights
 //! have become unequal; in between, the weights of the updates multiply up.
 //!
 //! ```
-//! use loc_pf::policy::{ResamplePolicy, ResampleWhen};
+//! use loc_pf::resample::{ResamplePolicy, ResampleWhen};
 //! let policy = ResamplePolicy { every: 2, when: ResampleWhen::EffectiveShareBelow(0.5) };
 //! assert!(policy.is_due(2, 300.0, 1000));
 //! assert!(!policy.is_due(1, 300.0, 1000), "only one update since the last time");
 //! assert!(!policy.is_due(2, 700.0, 1000), "the weights are still much alike");
 //! ```
 
-mod wheel;
+mod cumulative;
 
-pub use wheel::Wheel;
+pub use cumulative::CumulativeWeights;
 
 use crate::elementary::ROUND;
 use crate::workers::PART;
@@ -47,15 +45,17 @@ use rand::{Rng, RngExt};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Resampling {
-    /// The roulette wheel: every draw is independent and found by binary search (M8), O(M log M).
+    /// Multinomial resampling (the lectures' roulette wheel, M8): every draw is independent and found
+    /// by binary search, O(M log M).
     Roulette,
-    /// The spoke wheel: one draw turns a wheel with evenly spaced spokes (M9), O(M). Equal weights
-    /// stay as they are.
+    /// Low-variance (systematic) resampling (the lectures' spoke wheel, M9): one draw shifts M evenly
+    /// spaced points, O(M). Equal weights stay as they are.
     #[default]
     Systematic,
-    /// One draw in each of M equal parts of the wheel, O(M).
+    /// One draw in each of M equal parts of the cumulative weights (Kitagawa 1996), O(M).
     Stratified,
-    /// Every particle as often as the whole part of its share says; roulette for the rest.
+    /// Every particle as often as the integer part of its share; multinomial for the rest (Liu and
+    /// Chen 1998).
     Residual,
 }
 
@@ -71,7 +71,7 @@ impl Resampling {
     /// Fills `indices` with `count` particles, drawn in proportion to the weights whose logarithms
     /// are given; they need not add up to 1.
     ///
-    /// Weights that are all 0 count as equal; without any weights nothing is drawn. See [`Wheel`].
+    /// Weights that are all 0 count as equal; without any weights nothing is drawn. See [`CumulativeWeights`].
     pub fn draw<R: Rng + ?Sized>(
         self,
         log_weights: &[f64],
@@ -79,27 +79,27 @@ impl Resampling {
         rng: &mut R,
         indices: &mut Vec<u32>,
     ) {
-        let mut wheel = Wheel::new();
-        wheel.set(log_weights);
-        self.spin(&wheel, count, rng, indices);
+        let mut cumulative = CumulativeWeights::new();
+        cumulative.set(log_weights);
+        self.draw_from(&cumulative, count, rng, indices);
     }
 
-    /// The same from a wheel, which keeps its memory from one resampling to the next.
-    pub fn spin<R: Rng + ?Sized>(
+    /// The same from cumulative weights, which keep their memory from one resampling to the next.
+    pub fn draw_from<R: Rng + ?Sized>(
         self,
-        wheel: &Wheel,
+        cumulative: &CumulativeWeights,
         count: usize,
         rng: &mut R,
         indices: &mut Vec<u32>,
     ) {
-        self.spin_by(&Workers::one(), wheel, count, rng, indices);
+        self.draw_by(&Workers::one(), cumulative, count, rng, indices);
     }
 
-    /// The same by several threads, of which only the spoke wheel makes use.
-    pub(crate) fn spin_by<R: Rng + ?Sized>(
+    /// The same by several threads, which only systematic resampling uses.
+    pub(crate) fn draw_by<R: Rng + ?Sized>(
         self,
         workers: &Workers,
-        wheel: &Wheel,
+        cumulative: &CumulativeWeights,
         count: usize,
         rng: &mut R,
         indices: &mut Vec<u32>,
@@ -107,14 +107,14 @@ impl Resampling {
         if self != Resampling::Systematic {
             indices.clear();
         }
-        if wheel.is_empty() || count == 0 {
+        if cumulative.is_empty() || count == 0 {
             return indices.clear();
         }
         match self {
-            Resampling::Roulette => roulette(wheel, count, rng, indices),
-            Resampling::Systematic => systematic(wheel, count, rng, indices, workers),
-            Resampling::Stratified => stratified(wheel, count, rng, indices),
-            Resampling::Residual => residual(wheel, count, rng, indices),
+            Resampling::Roulette => roulette(cumulative, count, rng, indices),
+            Resampling::Systematic => systematic(cumulative, count, rng, indices, workers),
+            Resampling::Stratified => stratified(cumulative, count, rng, indices),
+            Resampling::Residual => residual(cumulative, count, rng, indices),
         }
     }
 }
@@ -124,72 +124,70 @@ fn open<R: Rng + ?Sized>(rng: &mut R) -> f64 {
     (f64::from(rng.random::<u32>()) + 0.5) / (1_u64 << 32) as f64
 }
 
-// The spoke wheel (M9).
-
-/// Places written at once, whether needed or not: most particles have fewer copies, and no branch
-/// has to guess how many.
+/// Indices written at once, whether needed or not: most particles have fewer copies, so that no
+/// branch depends on their number.
 const AT_ONCE: usize = 4;
 
-/// One random turn of a wheel with `count` spokes.
+/// Low-variance resampling (M9): one random shift of `count` evenly spaced points.
 fn systematic<R: Rng + ?Sized>(
-    wheel: &Wheel,
+    cumulative: &CumulativeWeights,
     count: usize,
     rng: &mut R,
     indices: &mut Vec<u32>,
     workers: &Workers,
 ) {
     indices.resize(count, 0);
-    let per_unit = count as f64 / wheel.circumference();
-    let spokes = Spokes { per_unit, offset: 0.5 - open(rng), count };
-    // The spokes of a part of the sectors follow those of the part before.
+    let per_unit = count as f64 / cumulative.total();
+    let points = EvenPoints { per_unit, offset: 0.5 - open(rng), count };
+    // The points of a part of the intervals follow those of the part before.
     let (mut rest, mut first) = (&mut indices[..], 0);
-    let parts = wheel.ends().chunks(PART).enumerate().map(|(part, ends)| {
-        let last = ends.last().map_or(first, |end| spokes.before(*end));
+    let parts = cumulative.ends().chunks(PART).enumerate().map(|(part, ends)| {
+        let last = ends.last().map_or(first, |end| points.before(*end));
         let (indices, others) = std::mem::take(&mut rest).split_at_mut(last - first);
-        let part = Part { spokes, ends, sector: (part * PART) as u32, first, indices };
+        let part = Part { points, ends, interval: (part * PART) as u32, first, indices };
         (rest, first) = (others, last);
         part
     });
     workers.for_each(parts, |part| Arch::new().dispatch(part));
 }
 
-/// Where the spokes stand: spoke k at `k + 0.5 - offset` spacings.
+/// Evenly spaced points: point k lies at `k + 0.5 - offset` spacings.
 #[derive(Debug, Clone, Copy)]
-struct Spokes {
-    /// Spacings in a unit of the wheel.
+struct EvenPoints {
+    /// Spacings in a unit of the cumulative weights.
     per_unit: f64,
     offset: f64,
     count: usize,
 }
 
-// ANCHOR: spokes
-impl Spokes {
-    /// How many spokes stand before a place of the wheel.
+// ANCHOR: systematic
+impl EvenPoints {
+    /// Number of points before `at`.
     #[inline(always)]
-    fn before(&self, place: f64) -> usize {
-        (self.passed(place) as usize).min(self.count)
+    fn before(&self, at: f64) -> usize {
+        (self.passed(at) as usize).min(self.count)
     }
 
     #[inline(always)]
-    fn passed(&self, place: f64) -> u32 {
-        ((place * self.per_unit + self.offset) + ROUND).to_bits() as u32
+    fn passed(&self, at: f64) -> u32 {
+        ((at * self.per_unit + self.offset) + ROUND).to_bits() as u32
     }
 }
-// ANCHOR_END: spokes
+// ANCHOR_END: systematic
 
-/// Some sectors and the spokes that stand in them.
+/// Some intervals and the points in them.
 struct Part<'a> {
-    spokes: Spokes,
+    points: EvenPoints,
     ends: &'a [f64],
-    /// The number of the first sector.
-    sector: u32,
+    /// The number of the first interval.
+    interval: u32,
     /// The number of the first spoke.
     first: usize,
-    /// For each of the spokes its sector.
+    /// For each of the points its interval.
     indices: &'a mut [u32],
 }
 
-/// Sectors looked at together.
+/// Intervals processed together.
 const BLOCK: usize = 64;
 
 impl WithSimd for Part<'_> {
@@ -197,59 +195,68 @@ impl WithSimd for Part<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Part { spokes, ends, mut sector, first, indices } = self;
+        let Part { points, ends, mut interval, first, indices } = self;
         let mut written = 0;
         for ends in ends.chunks(BLOCK) {
             let mut passed = [0; BLOCK];
-            passed.iter_mut().zip(ends).for_each(|(passed, end)| *passed = spokes.passed(*end));
+            passed.iter_mut().zip(ends).for_each(|(passed, end)| *passed = points.passed(*end));
             for &passed in &passed[..ends.len()] {
-                let passed = (passed as usize).min(spokes.count) - first;
+                let passed = (passed as usize).min(points.count) - first;
                 match indices.get_mut(written..written + AT_ONCE) {
-                    Some(places) if passed <= written + AT_ONCE => places.fill(sector),
-                    _ => indices[written..passed].fill(sector),
+                    Some(slots) if passed <= written + AT_ONCE => slots.fill(interval),
+                    _ => indices[written..passed].fill(interval),
                 }
                 written = passed;
-                sector += 1;
+                interval += 1;
             }
         }
     }
 }
 
-// One draw in each of equal parts (Kitagawa 1996).
-
-/// Draw k falls evenly into part k of `count` equal parts of the wheel.
-fn stratified<R: Rng + ?Sized>(wheel: &Wheel, count: usize, rng: &mut R, indices: &mut Vec<u32>) {
-    let part = wheel.circumference() / count as f64;
-    let last = wheel.last();
-    let ends = wheel.ends();
+/// Stratified resampling: draw k is uniform in part k of `count` equal parts.
+fn stratified<R: Rng + ?Sized>(
+    cumulative: &CumulativeWeights,
+    count: usize,
+    rng: &mut R,
+    indices: &mut Vec<u32>,
+) {
+    let part = cumulative.total() / count as f64;
+    let last = cumulative.last();
+    let ends = cumulative.ends();
     let mut index = 0;
     indices.extend((0..count).map(|k| {
-        let place = (k as f64 + open(rng)) * part;
-        while index < last && ends[index] <= place {
+        let at = (k as f64 + open(rng)) * part;
+        while index < last && ends[index] <= at {
             index += 1;
         }
         index as u32
     }));
 }
 
-// The roulette wheel (M8).
-
-/// `count` independent draws, each found by binary search.
+/// Multinomial resampling (M8): `count` independent draws, each found by binary search.
 // ANCHOR: roulette
-fn roulette<R: Rng + ?Sized>(wheel: &Wheel, count: usize, rng: &mut R, indices: &mut Vec<u32>) {
-    indices.extend((0..count).map(|_| wheel.index_at(open(rng)) as u32));
+fn roulette<R: Rng + ?Sized>(
+    cumulative: &CumulativeWeights,
+    count: usize,
+    rng: &mut R,
+    indices: &mut Vec<u32>,
+) {
+    indices.extend((0..count).map(|_| cumulative.index_at(open(rng)) as u32));
 }
 // ANCHOR_END: roulette
 
-// Whole shares first, roulette for what is left (Liu and Chen 1998).
-
-/// Particle i comes `floor(count w_i)` times for certain; the rest is drawn in proportion to the
+/// Residual resampling: particle i comes `floor(count w_i)` times for certain; the rest is drawn in proportion to the
 /// remainders.
-fn residual<R: Rng + ?Sized>(wheel: &Wheel, count: usize, rng: &mut R, indices: &mut Vec<u32>) {
-    let per_unit = count as f64 / wheel.circumference();
-    let mut remainders = Vec::with_capacity(wheel.len());
+fn residual<R: Rng + ?Sized>(
+    cumulative: &CumulativeWeights,
+    count: usize,
+    rng: &mut R,
+    indices: &mut Vec<u32>,
+) {
+    let per_unit = count as f64 / cumulative.total();
+    let mut remainders = Vec::with_capacity(cumulative.len());
     let (mut before, mut rest) = (0.0, 0.0);
-    for (index, &end) in wheel.ends().iter().enumerate() {
+    for (index, &end) in cumulative.ends().iter().enumerate() {
         let share = (end - before) * per_unit;
         // A share that rounding left just below a whole number is that number.
         let copies = (share + 1e-9).floor();
@@ -259,20 +266,20 @@ fn residual<R: Rng + ?Sized>(wheel: &Wheel, count: usize, rng: &mut R, indices: 
         before = end;
     }
     indices.truncate(count);
-    let last = wheel.last();
+    let last = cumulative.last();
     while indices.len() < count {
-        let place = open(rng) * rest;
-        let index = remainders.partition_point(|&end| end <= place).min(last);
+        let at = open(rng) * rest;
+        let index = remainders.partition_point(|&end| end <= at).min(last);
         indices.push(index as u32);
     }
 }
 
-/// When to resample: at every N-th update at the earliest, and then if the weights ask for it.
+/// When to resample: at every N-th update at the earliest, and then if the weights require it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ResamplePolicy {
-    /// Fewest updates from one resampling to the next (`resample_interval`); 0 counts as 1.
+    /// Minimum number of updates from one resampling to the next (`resample_interval`); 0 counts as 1.
     pub every: usize,
     /// What the weights must be like.
     pub when: ResampleWhen,
@@ -327,7 +334,7 @@ impl ResamplePolicy {
     /// [`Particles::effective_sample_size`]: crate::Particles::effective_sample_size
     pub fn is_due(&self, updates: usize, effective_sample_size: f64, particles: usize) -> bool {
         let particles = particles as f64;
-        let weights_ask = match self.when {
+        let weights_require = match self.when {
             ResampleWhen::Always => true,
             ResampleWhen::Never => false,
             ResampleWhen::EffectiveShareBelow(share) => effective_sample_size < share * particles,
@@ -335,6 +342,6 @@ impl ResamplePolicy {
                 particles > (1.0 + variance) * effective_sample_size
             }
         };
-        updates >= self.every && weights_ask
+        updates >= self.every && weights_require
     }
 }

@@ -17,10 +17,10 @@
 //! // Three beams end on the wall 2 m ahead, and one on a person.
 //! let scan = Endpoints::from_scan(&[-0.1, 0.0, 0.1, 0.2], &[2.0, 2.0, 2.0, 0.7]);
 //! let poses = [Pose2::new(2.0, 2.5, 0.0), Pose2::new(1.9, 2.5, 0.0)];
-//! let mut cloud = Particles::from_poses(poses);
-//! let scan = BeamSkip::default().apply(&field, cloud.poses(), &scan);
+//! let mut particles = Particles::from_poses(poses);
+//! let scan = BeamSkip::default().apply(&field, particles.poses(), &scan);
 //! assert_eq!(scan.len(), 3);
-//! let (poses, log_weights) = cloud.poses_and_log_weights();
+//! let (poses, log_weights) = particles.poses_and_log_weights();
 //! FieldLikelihood { field: &field, endpoints: &scan, exponent: 1.0 }.rate(poses, log_weights);
 //! assert!(log_weights[0] > log_weights[1]);
 //! # Ok::<(), loc_pf::Error>(())
@@ -81,7 +81,7 @@ fn add(
 /// the sum over the beams and pz the likelihood of one, for which the field must be one of
 /// [`unnormalised`](loc_maps::likelihood_field::LikelihoodFieldSettings::unnormalised) settings.
 ///
-/// It is no probability: a beam that contradicts a pose costs next to nothing, a cloud narrows
+/// It is no probability: a beam that contradicts a pose costs next to nothing, a particle set narrows
 /// slowly whatever the number of beams. Use it to compare with nav2_amcl, or to take over a
 /// parameter file that was tuned with it; [`FieldLikelihood`](FieldLikelihood) is sharper.
 ///
@@ -113,21 +113,21 @@ impl Likelihood for SumOfCubes<'_> {
 
 // Beams that hardly any particle can explain are left out (`do_beamskip` of nav2_amcl).
 
-/// At most about this many particles are asked about each beam, evenly taken from the cloud: the
+/// At most about this many particles are asked about each beam, evenly taken from the particle set: the
 /// share that agrees is off by 0.015 then, and the pass costs little beside the rating.
 const ASKED: usize = 1024;
 
 /// Settings of beam skipping; the defaults are those of nav2_amcl.
 ///
 /// A person or a parcel shortens beams; those that end some `sigma_hit` before a wall pull the
-/// estimate until they touch it. So before a scan is rated, each beam is put before the cloud: it
+/// estimate until they touch it. So before a scan is rated, each beam is put before the particle set: it
 /// is kept if enough particles see it end near an obstacle of the map. (Beams that end far from
 /// everything need no skipping here: they cost all poses the same.)
 ///
-/// This only makes sense while the cloud is about the true pose. When it is not, almost all beams
+/// This only makes sense while the particle set is about the true pose. When it is not, almost all beams
 /// look wrong, and they are the ones that say so: where more than `error_threshold` of them would
-/// be skipped, or the cloud is wider than `distance`, all are kept. In a static world the beams of
-/// a tracked robot agree with the cloud and all but stray ones are kept too.
+/// be skipped, or the particle set is wider than `distance`, all are kept. In a static world the beams of
+/// a tracked robot agree with the particle set and all but stray ones are kept too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]

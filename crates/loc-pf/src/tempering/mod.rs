@@ -1,9 +1,9 @@
-//! A measurement taken in by degrees, so that a small cloud finds a narrow peak.
+//! A measurement taken in by degrees, so that a small particle set finds a narrow peak.
 //!
 //! Odometry leaves the robot anywhere within decimetres; a laser scan knows the place to
 //! centimetres. Of a few hundred particles drawn from the motion hardly one lies within the peak of
 //! such a likelihood, and plain weighting leaves copies of that one. Here the likelihood p is taken
-//! in by stages p^b with b growing from 0 to 1 (annealing, tempering): after each stage the cloud
+//! in by stages p^b with b growing from 0 to 1 (annealing, tempering): after each stage the particle set
 //! is resampled, and every particle walks a little through the noise of its own motion and is asked
 //! again, by the rule of Metropolis and Hastings. The stages adapt themselves: a scan that says
 //! little needs none and the update is the plain one.
@@ -16,8 +16,8 @@
 //! use loc_core::{Pose2, random::stream};
 //! use loc_pf::motion::{DrivenPath, NoisyStep, PathNoise};
 //! use loc_pf::{ParticleFilter, Particles, Tempering};
-//! let cloud = Particles::from_poses(std::iter::repeat_n(Pose2::IDENTITY, 200));
-//! let mut filter = ParticleFilter::new(cloud, stream(1, "filter"));
+//! let particles = Particles::from_poses(std::iter::repeat_n(Pose2::IDENTITY, 200));
+//! let mut filter = ParticleFilter::new(particles, stream(1, "filter"));
 //! let mut path = DrivenPath::starting_at(Pose2::IDENTITY);
 //! path.extend(Pose2::new(4.0, 0.0, 0.0));
 //! // Odometry is good to 0.1 m along the way, the measurement to 1 mm.
@@ -31,7 +31,7 @@
 mod part;
 
 use crate::log_weights::Mass;
-use crate::resample::Wheel;
+use crate::resample::CumulativeWeights;
 use crate::workers::PART;
 use crate::{Likelihood, ParticleFilter, Particles, Resampling, Result, Transport, Workers};
 use loc_core::error::{in_range, positive};
@@ -47,16 +47,16 @@ pub struct Tempering {
     log_weights: Vec<f64>,
     /// The same after a share of the measurement that is tried out.
     after: Vec<f64>,
-    wheel: Wheel,
+    cumulative: CumulativeWeights,
     indices: Vec<u32>,
 }
 
 /// What an update took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TemperingReport {
-    /// How often the cloud was rated: 1 for a plain update.
+    /// How often the particle set was rated: 1 for a plain update.
     pub stages: usize,
-    /// Logarithm of the mean likelihood of the measurement over the predicted cloud.
+    /// Logarithm of the mean likelihood of the measurement over the predicted particle set.
     pub log_evidence: f64,
 }
 
@@ -70,7 +70,7 @@ impl Tempering {
         Ok(Tempering { settings, ..Tempering::default() })
     }
 
-    /// Moves the cloud by `step` and takes in `measurement`. Where stages resample, the spoke wheel
+    /// Moves the particle set by `step` and takes in `measurement`. Where stages resample, the spoke cumulative
     /// draws `count` particles; otherwise their number stays.
     pub fn update(
         &mut self,
@@ -110,7 +110,7 @@ impl Tempering {
     }
 
     /// Lets particles walk through the noise until each has made `enough` accepted strides on the
-    /// average: those that resampling made the same must part again, or the cloud would be smaller
+    /// average: those that resampling made the same must part again, or the particle set would be smaller
     /// than it looks.
     ///
     /// Strides are in proportion to the spread of the noise that the measurement has left, in each
@@ -168,21 +168,21 @@ impl Tempering {
         })
     }
 
-    /// Cuts a cloud into parts.
-    fn load(&mut self, workers: &Workers, cloud: &Particles) {
-        self.parts.resize_with(cloud.len().div_ceil(PART), Part::default);
-        let parts = self.parts.iter_mut().zip(cloud.poses().chunks(PART));
+    /// Cuts a particle set into parts.
+    fn load(&mut self, workers: &Workers, particles: &Particles) {
+        self.parts.resize_with(particles.len().div_ceil(PART), Part::default);
+        let parts = self.parts.iter_mut().zip(particles.poses().chunks(PART));
         workers.for_each(parts, |(part, poses)| part.load(poses));
         self.log_weights.clear();
-        self.log_weights.extend_from_slice(cloud.log_weights());
+        self.log_weights.extend_from_slice(particles.log_weights());
     }
 
     /// The poses after the motion, with normalised weights.
     fn store(&self, filter: &mut ParticleFilter) {
         let workers = filter.workers().clone();
-        let cloud = filter.particles_mut();
-        cloud.resize(self.log_weights.len());
-        let (poses, log_weights) = cloud.columns_mut();
+        let particles = filter.particles_mut();
+        particles.resize(self.log_weights.len());
+        let (poses, log_weights) = particles.columns_mut();
         let targets = poses.chunks(PART).zip(log_weights.chunks_mut(PART));
         let parts = self.parts.iter().zip(self.log_weights.chunks(PART));
         workers.for_each(targets.zip(parts), |((poses, log_weights), (part, weights))| {
@@ -241,8 +241,8 @@ impl Tempering {
     fn resample(&mut self, filter: &mut ParticleFilter, count: usize) {
         let workers = filter.workers().clone();
         let (scheme, rng) = (Resampling::Systematic, filter.rng_mut());
-        self.wheel.set_by(&workers, &self.log_weights);
-        scheme.spin_by(&workers, &self.wheel, count, rng, &mut self.indices);
+        self.cumulative.set_by(&workers, &self.log_weights);
+        scheme.draw_by(&workers, &self.cumulative, count, rng, &mut self.indices);
         std::mem::swap(&mut self.parts, &mut self.spare);
         self.parts.resize_with(count.div_ceil(PART), Part::default);
         let parts = self.parts.iter_mut().zip(self.indices.chunks(PART));
@@ -255,7 +255,7 @@ impl Tempering {
 /// A stride is at least this long, in units of the noise of the motion.
 const MIN: f64 = 0.01;
 
-/// Fewer different particles than this share of a cloud are few.
+/// Fewer different particles than this share of a particle set are few.
 const FEW: f64 = 0.1;
 
 /// Accepted strides after which copies of one particle have spread over a peak.

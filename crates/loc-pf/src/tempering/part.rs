@@ -1,4 +1,4 @@
-//! A part of the cloud on its way through an update.
+//! A part of the particle set on its way through an update.
 
 use crate::log_weights::Mass;
 use crate::workers::PART;

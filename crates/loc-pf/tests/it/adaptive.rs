@@ -3,7 +3,7 @@
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, gaussian::pose_belief};
 use loc_pf::adaptive::KldCertainty;
-use loc_pf::resample::Wheel;
+use loc_pf::resample::CumulativeWeights;
 use loc_pf::{Kld, KldSettings, ParticleFilter, Particles, Resampling};
 use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};
@@ -18,7 +18,7 @@ fn cloud(sigmas: [f64; 3], count: usize) -> Particles {
 }
 
 fn draw(kld: &mut Kld, scheme: Resampling, cloud: &Particles) -> Vec<u32> {
-    let (mut wheel, mut indices) = (Wheel::new(), vec![1, 2, 3]);
+    let (mut wheel, mut indices) = (CumulativeWeights::new(), vec![1, 2, 3]);
     wheel.set(cloud.log_weights());
     kld.draw(scheme, &wheel, cloud.poses(), &mut stream(2, "kld"), &mut indices);
     indices

@@ -1,7 +1,7 @@
 //! Resampling: fair, and as even as each scheme promises.
 
 use loc_core::random::stream;
-use loc_pf::resample::Wheel;
+use loc_pf::resample::CumulativeWeights;
 use loc_pf::{Particles, Resampling};
 use rand::RngExt;
 
@@ -185,7 +185,7 @@ fn odd_weights_have_defined_results() {
 
 #[test]
 fn places_on_the_wheel() {
-    let mut wheel = Wheel::new();
+    let mut wheel = CumulativeWeights::new();
     assert!(wheel.is_empty() && wheel.index_at(0.5) == 0);
     wheel.set(&[f64::NEG_INFINITY, 0.0, 3_f64.ln(), f64::NEG_INFINITY]);
     assert_eq!(wheel.len(), 4);

@@ -1,5 +1,5 @@
 //! Which cells are occupied: a hash table of blocks of 4 x 4 squares, in which every square has one
-//! bit for each heading. A tracked cloud lies in a few blocks; a cloud all over a map fills most
+//! bit for each heading. A tracked particle set lies in a few blocks; a particle set all over a map fills most
 //! squares of the blocks it needs.
 
 use super::cells::{Address, MAX_HEADINGS};
@@ -46,7 +46,7 @@ struct Block {
     squares: [Square; SQUARES],
 }
 
-/// Most blocks: places have room for 4 million, and a cloud that needs more is on no map.
+/// Most blocks: places have room for 4 million, and a particle set that needs more is on no map.
 const MAX: usize = (NOWHERE / BLOCK) as usize;
 
 /// Open addressing with linear probing: 4 bytes a slot, at most half of them taken.
@@ -118,7 +118,7 @@ impl Blocks {
     /// block.
     #[inline(always)]
     pub(super) fn occupy(&mut self, key: u64, within: u32) -> u32 {
-        // Particles of a tracked cloud lie in one and the same block, more often than not.
+        // Particles of a tracked particle set lie in one and the same block, more often than not.
         let index = match self.blocks.get(self.last) {
             Some(block) if block.key == key => self.last,
             _ => match self.find_or_add(key) {

@@ -1,4 +1,4 @@
-//! From a cloud to its occupied cells and the weight in each.
+//! From a particle set to its occupied cells and the weight in each.
 
 use super::blocks::{Blocks, Cell, NOWHERE, Place};
 use crate::estimate::{ROUNDER, is_pose, wrapped};
@@ -7,7 +7,7 @@ use crate::{Poses, Workers};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::TAU;
 
-/// The occupied cells of a cloud, with memory kept from one cloud to the next.
+/// The occupied cells of a particle set, with memory kept from one particle set to the next.
 #[derive(Debug)]
 pub(super) struct Cells {
     pub(super) raster: Raster,
@@ -18,19 +18,19 @@ pub(super) struct Cells {
     places: Vec<u32>,
     /// The cells, numbered by where they are.
     pub(super) all: Vec<Cell>,
-    /// The same for each part of the cloud, where they are few.
+    /// The same for each part of the particle set, where they are few.
     of_parts: Vec<Cell>,
     parts: Vec<Part>,
 }
 
-/// A part of the cloud with its own blocks, if they are few: those of a tracked robot are. Then
+/// A part of the particle set with its own blocks, if they are few: those of a tracked robot are. Then
 /// nobody needs to look at its particles one after the other with those of all other parts.
 #[derive(Debug)]
 struct Part {
     blocks: Blocks,
-    /// For each of them its index among the blocks of the cloud.
+    /// For each of them its index among the blocks of the particle set.
     indices: Vec<usize>,
-    /// Whether there were too many: the places are then those among the blocks of the cloud.
+    /// Whether there were too many: the places are then those among the blocks of the particle set.
     is_scattered: bool,
 }
 
@@ -152,11 +152,11 @@ impl Part {
     }
 
     /// The blocks that the places of its particles are in, with cells numbered.
-    fn numbered<'a>(&'a mut self, of_cloud: &'a Blocks) -> &'a Blocks {
+    fn numbered<'a>(&'a mut self, of_set: &'a Blocks) -> &'a Blocks {
         if self.is_scattered {
-            return of_cloud;
+            return of_set;
         }
-        self.blocks.number_as(of_cloud, &self.indices);
+        self.blocks.number_as(of_set, &self.indices);
         &self.blocks
     }
 }

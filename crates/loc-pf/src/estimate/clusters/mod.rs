@@ -11,7 +11,7 @@
 //! the difference is more than the chance of drawing particles explains (3 standard deviations of
 //! counts, with the effective sample size as count). This is persistence-based clustering (Chazal,
 //! Guibas, Oudot and Skraba, "Persistence-based clustering in Riemannian manifolds", 2013). A
-//! threshold on the weight of cells would need another value for every size of the cloud, and
+//! threshold on the weight of cells would need another value for every size of the particle set, and
 //! would cut the tails off a wide but single mode. Nothing is lost: strays between two modes go
 //! with the peak above them, and the shares add up to 1.
 //!
@@ -53,7 +53,7 @@ pub struct Cluster {
     pub particles: usize,
 }
 
-/// Finds clusters, and keeps its memory from one cloud to the next: 20 bytes a particle, and up to
+/// Finds clusters, and keeps its memory from one particle set to the next: 20 bytes a particle, and up to
 /// 60 for each occupied cell.
 #[derive(Debug)]
 pub struct Clusterer {
@@ -94,11 +94,11 @@ impl Clusterer {
         &self.settings
     }
 
-    /// The clusters of a cloud, the heaviest first; of equally heavy ones, the one with more
+    /// The clusters of a particle set, the heaviest first; of equally heavy ones, the one with more
     /// particles, then the one further down (y) and left (x).
     ///
     /// The order of the particles changes nothing beyond the rounding of sums. Weights need not
-    /// add up to 1. Particles that have no weight or are not finite belong to no cluster; a cloud
+    /// add up to 1. Particles that have no weight or are not finite belong to no cluster; a particle set
     /// without any others has none.
     pub fn clusters(&mut self, particles: &Particles) -> Vec<Cluster> {
         let Clusterer { settings, workers, weights, cells, modes, summary } = self;
@@ -175,7 +175,7 @@ impl ClusterSettings {
 
 // Shares, means and covariances of clusters, from the particles of each.
 
-/// What is added up for each cluster, with memory kept from one cloud to the next.
+/// What is added up for each cluster, with memory kept from one particle set to the next.
 #[derive(Debug, Default)]
 struct Summary {
     /// For each cell its cluster.

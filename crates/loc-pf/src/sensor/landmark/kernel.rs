@@ -94,7 +94,7 @@ pub(super) fn rate(likelihood: &LandmarkLikelihood, poses: Poses<'_>, log_weight
     }
 }
 
-/// The work on a cloud, for one generation of processors.
+/// The work on a particle set, for one generation of processors.
 struct Rating<'a> {
     likelihood: &'a LandmarkLikelihood,
     poses: Poses<'a>,

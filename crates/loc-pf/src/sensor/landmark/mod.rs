@@ -21,8 +21,8 @@
 //! let there = likelihood.log_likelihood(Pose2::IDENTITY);
 //! assert!(there > likelihood.log_likelihood(Pose2::new(0.1, 0.0, 0.0)));
 //!
-//! let cloud = Particles::from_poses([Pose2::IDENTITY, Pose2::new(0.2, 0.0, 0.0)]);
-//! let mut filter = ParticleFilter::new(cloud, stream(1, "filter"));
+//! let particles = Particles::from_poses([Pose2::IDENTITY, Pose2::new(0.2, 0.0, 0.0)]);
+//! let mut filter = ParticleFilter::new(particles, stream(1, "filter"));
 //! filter.weigh(&likelihood);
 //! filter.normalize();
 //! assert!(filter.particles().weight(0) > 0.8);

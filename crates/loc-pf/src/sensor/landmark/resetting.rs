@@ -20,7 +20,7 @@ const TRIES: usize = 20;
 /// Draws poses from the observations of one moment.
 ///
 /// Each draw believes one observation, or two, and blurs them by `spread` times their noise, so that a
-/// cloud of such poses is wider than what the observations say and may be weighed by them.
+/// particle set of such poses is wider than what the observations say and may be weighed by them.
 #[derive(Debug, Clone)]
 pub struct SensorResetting<'a> {
     likelihood: &'a LandmarkLikelihood,

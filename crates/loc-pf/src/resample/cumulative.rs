@@ -1,33 +1,33 @@
-//! The wheel that all schemes draw from: one sector for each particle.
+//! Cumulative weights, which all schemes draw from: one interval for each particle.
 
 use crate::elementary::{ROUND, exp};
 use crate::log_weights;
 use crate::workers::{PART, Workers};
 use pulp::{Arch, Simd, WithSimd};
 
-/// A wheel with one sector for each particle, as wide as its weight.
+/// Cumulative weights (the lectures' wheel): one interval for each particle, as wide as its weight.
 ///
-/// Widths are whole numbers: the widest sector has `2^(51 - log2 M)`, rounded down to a power of
-/// two, so that sums are exact in every order, equal weights have exactly equal sectors, and
+/// Widths are whole numbers: the widest interval has `2^(51 - log2 M)`, rounded down to a power of
+/// two, so that sums are exact in every order, equal weights have exactly equal intervals, and
 /// rounding never moves a border. A weight below 3e-11 of the largest (at M = 100000; 5e-13 at 2000) counts
 /// as 0.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Wheel {
-    /// Where the sectors end; a whole number below 2^52.
+pub struct CumulativeWeights {
+    /// Where the intervals end; a whole number below 2^52.
     ends: Vec<f64>,
-    /// The last sector that is not empty, where rounding may lead at the upper end.
+    /// The last interval that is not empty, where rounding may lead at the upper end.
     last: usize,
 }
 
-impl Wheel {
-    /// A wheel without sectors.
+impl CumulativeWeights {
+    /// Without intervals.
     pub fn new() -> Self {
-        Wheel::default()
+        CumulativeWeights::default()
     }
 
-    /// Sets the sectors from the logarithms of weights, which need not add up to 1.
+    /// Sets the intervals from the logarithms of weights, which need not add up to 1.
     ///
-    /// NaN counts as -inf. Where no weight is finite, or one is infinite, all sectors are equal.
+    /// NaN counts as -inf. Where no weight is finite, or one is infinite, all intervals are equal.
     pub fn set(&mut self, log_weights: &[f64]) {
         self.set_by(&Workers::one(), log_weights);
     }
@@ -48,11 +48,11 @@ impl Wheel {
             (ends, start)
         });
         workers.for_each(parts, |(ends, start)| Arch::new().dispatch(Shift { ends, start }));
-        let circumference = self.circumference();
-        self.last = self.ends.partition_point(|&end| end < circumference);
+        let total = self.total();
+        self.last = self.ends.partition_point(|&end| end < total);
     }
 
-    /// Number of sectors.
+    /// Number of intervals.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
@@ -62,36 +62,36 @@ impl Wheel {
         self.ends.is_empty()
     }
 
-    /// The particle whose sector lies at `share` of the way around, in \[0, 1); never one of weight
+    /// The particle whose interval lies at `share` of the total, in \[0, 1); never one of weight
     /// 0. O(log M).
     pub fn index_at(&self, share: f64) -> usize {
-        let place = share * self.circumference();
-        self.ends.partition_point(|&end| end <= place).min(self.last)
+        let at = share * self.total();
+        self.ends.partition_point(|&end| end <= at).min(self.last)
     }
 
-    /// Where the sectors end, in whole units, in order.
+    /// Where the intervals end, in whole units, in order.
     pub(super) fn ends(&self) -> &[f64] {
         &self.ends
     }
 
-    /// All sectors together.
-    pub(super) fn circumference(&self) -> f64 {
+    /// All intervals together.
+    pub(super) fn total(&self) -> f64 {
         self.ends.last().copied().unwrap_or(0.0)
     }
 
-    /// The last sector that is not empty.
+    /// The last interval that is not empty.
     pub(super) fn last(&self) -> usize {
         self.last
     }
 }
 
-/// Fills a part with the running sums of its sectors' widths; all of them together.
+/// Fills a part with the running sums of its intervals' widths; all of them together.
 struct Set<'a> {
     log_weights: &'a [f64],
     ends: &'a mut [f64],
     /// The logarithm of the largest of all weights.
     largest: f64,
-    /// The width of its sector.
+    /// The width of its interval.
     unit: f64,
 }
 
@@ -111,7 +111,7 @@ impl WithSimd for Set<'_> {
     }
 }
 
-/// Puts a part behind those before it.
+/// Moves the intervals of a part behind those of the parts before it.
 struct Shift<'a> {
     ends: &'a mut [f64],
     start: f64,
@@ -126,10 +126,10 @@ impl WithSimd for Shift<'_> {
     }
 }
 
-/// Sectors added up side by side.
+/// Intervals added up side by side.
 const LANES: usize = 8;
 
-/// The width of the widest of `count` sectors: all together stay below 2^52.
+/// The width of the widest of `count` intervals: all together stay below 2^52.
 #[inline(always)]
 fn unit(count: usize) -> f64 {
     let bits = usize::BITS - count.leading_zeros();
