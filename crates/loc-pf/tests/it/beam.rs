@@ -337,7 +337,7 @@ fn beams_below_the_least_range_of_the_settings_are_not_used() {
         mcl.start_at(&pose_belief(pose, [0.2, 0.2, 0.1])).unwrap();
         let mounted = MountedScan { scan, mounting: Pose2::IDENTITY };
         mcl.update(Pose2::IDENTITY, &[mounted]).unwrap();
-        mcl.estimate().belief
+        mcl.last_estimate().belief
     };
     let (bumper, failed) = (changed(0.2), changed(f64::NAN));
     assert_eq!(estimate(&bumper, 0.5), estimate(&failed, 0.0));

@@ -1,7 +1,9 @@
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Pose2, Twist2, angle};
-use loc_filters::slam::{EkfSlam, Identities, MapLandmark, MapSettings, SlamSettings, SlamVerdict};
+use loc_filters::delayed::Delayed;
+use loc_filters::localizer::{Decision, Localizer};
+use loc_filters::slam::{EkfSlam, Identities, MapLandmark, MapSettings, SlamSettings};
 use loc_pf::{Error, FastSlam, FastSlamLocalizer, FastSlamSettings};
 use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
 use nalgebra::{Matrix3, Point2, Vector3};
@@ -92,14 +94,14 @@ fn a_landmark_is_averaged_by_hand() {
     let mut slam = slam(settings(1));
     assert!(slam.landmarks().unwrap().is_empty());
     let born = slam.correct(&[observation(3, 4.0, 0.0)]).unwrap();
-    assert_eq!((born[0].landmark, born[0].verdict), (Some(3), SlamVerdict::Initialized));
+    assert_eq!((born[0].landmark, born[0].decision), (Some(3), Decision::NewLandmark));
     let first = slam.landmarks().unwrap()[0];
     // 0.1 m along the ray, 4 m times 0.05 rad across it.
     let [x, y] = [first.position.covariance.m11, first.position.covariance.m22];
     assert!((x - 0.01).abs() < 1e-15 && (y - 0.04).abs() < 1e-15);
     let again = slam.correct(&[observation(3, 4.2, 0.1)]).unwrap()[0];
     // Both innovations have twice the sensor's variance: 0.2^2 / 0.02 + 0.1^2 / 0.005.
-    assert!((again.nis().unwrap() - 4.0).abs() < 1e-12 && again.accepted());
+    assert!((again.nis.unwrap() - 4.0).abs() < 1e-12 && again.accepted());
     let second = slam.landmarks().unwrap()[0];
     assert!((second.position.mean - nalgebra::Vector2::new(4.1, 0.2)).norm() < 1e-12);
     let [x, y] = [second.position.covariance.m11, second.position.covariance.m22];
@@ -133,7 +135,7 @@ fn one_particle_without_noise_is_the_kalman_filter() {
         let (a, b) = (fast.correct(&observations).unwrap(), ekf.correct(&observations).unwrap());
         for (a, b) in a.iter().zip(&b) {
             assert_eq!((a.landmark, a.accepted()), (b.landmark, b.accepted()));
-            let off = a.nis().unwrap_or(0.0) - b.nis().unwrap_or(0.0);
+            let off = a.nis.unwrap_or(0.0) - b.nis.unwrap_or(0.0);
             assert!(off.abs() < 1e-7, "{a:?} {b:?}");
         }
     }
@@ -263,7 +265,7 @@ fn a_misread_number_is_turned_away() {
     }
     let before = slam.landmarks().unwrap();
     let outcome = slam.correct(&[observation(2, 2.0, 0.3)]).unwrap()[0];
-    assert!(!outcome.accepted() && outcome.nis().unwrap() > 100.0);
+    assert!(!outcome.accepted() && outcome.nis.unwrap() > 100.0);
     let after = slam.landmarks().unwrap();
     assert!((after[1].position.mean - before[1].position.mean).norm() < 1e-9);
 }
@@ -292,11 +294,12 @@ fn errors_are_about_what_the_filter_says() {
 }
 
 #[test]
-fn late_inputs_are_taken_in_where_they_belong() {
+fn late_inputs_are_applied_at_their_time() {
     let see = |range| [observation(1, range, 0.0), observation(2, range, 0.6)];
     let start = || {
         let rng = stream(3, "fastslam");
-        FastSlamLocalizer::new(settings(30), 0.0, certain(), 1.0, rng).unwrap()
+        let slam = FastSlamLocalizer::new(settings(30), 0.0, certain(), rng).unwrap();
+        Delayed::new(slam, 1.0).unwrap()
     };
     let drive = Twist2::forward(0.5, 0.1);
     let mut in_order = start();
@@ -310,9 +313,10 @@ fn late_inputs_are_taken_in_where_they_belong() {
     late.observations(0.6, &see(3.8)).unwrap();
     late.observations(0.2, &see(4.0)).unwrap();
     assert_eq!(in_order.estimate(0.9).unwrap(), late.estimate(0.9).unwrap());
-    assert_eq!(in_order.landmarks().unwrap(), late.landmarks().unwrap());
-    let message = late.observations(-0.5, &see(4.0)).unwrap_err().to_string();
-    assert!(message.contains("at most 1 s before 0.7 s"), "{message}");
+    assert_eq!(in_order.map().unwrap(), late.map().unwrap());
+    let refused = late.observations(-0.5, &see(4.0)).unwrap();
+    assert!(refused.iter().all(|outcome| outcome.decision == Decision::TooLate));
+    assert_eq!(in_order.map().unwrap(), late.map().unwrap());
     assert!(late.estimate(f64::NAN).is_err());
 }
 
@@ -328,7 +332,7 @@ fn bad_input_is_refused_and_changes_nothing() {
     let bearing_only =
         LandmarkObservation { landmark: 9, sight: Observed::Bearing { bearing: 0.1 } };
     let outcome = slam.correct(&[bearing_only, observation(8, 0.0, 0.0)]).unwrap();
-    assert!(outcome.iter().all(|o| o.verdict == SlamVerdict::Unplaceable && !o.accepted()));
+    assert!(outcome.iter().all(|o| o.decision == Decision::Undetermined && !o.accepted()));
     assert!(slam.predict(Twist2::forward(f64::NAN, 0.0), 1.0).is_err());
     assert!(slam.predict(Twist2::ZERO, -1.0).is_err());
     assert_eq!(before, (slam.pose().unwrap(), slam.landmarks().unwrap()));
@@ -367,7 +371,7 @@ fn a_hundred_thousand_sightings_leave_a_finite_state() {
             .collect();
         let outcomes = slam.correct(&many).unwrap();
         assert_eq!(outcomes.len(), many.len());
-        assert!(outcomes.iter().any(|outcome| outcome.verdict == SlamVerdict::MapFull));
+        assert!(outcomes.iter().any(|outcome| outcome.decision == Decision::MapFull));
         let pose = slam.pose().unwrap();
         assert!(pose.mean.iter().chain(pose.covariance.iter()).all(|v| v.is_finite()));
         assert!(slam.landmarks().unwrap().len() <= 40);
