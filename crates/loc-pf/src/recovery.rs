@@ -71,8 +71,8 @@ impl SuspicionSettings {
 pub struct UsualEvidence {
     /// At the right place, before any experience.
     pub expected: f64,
-    /// At the right place at least; below it no experience of a changed world is believed.
-    pub least: f64,
+    /// At the right place at min; below it no experience of a changed world is believed.
+    pub min: f64,
 }
 
 /// The probability that the robot is not where its particle set is.
@@ -89,7 +89,7 @@ pub struct Suspicion {
     /// The same over the last updates, good and bad.
     recent: f64,
     expected: f64,
-    least: f64,
+    min: f64,
     /// How far below the usual evidence that of a new place may be, in nats a beam.
     tolerance: f64,
     /// ln(number of places in the map).
@@ -115,14 +115,14 @@ impl Suspicion {
         settings.validate()?;
         positive("free area [m^2]", area)?;
         let places = (area * std::f64::consts::TAU / settings.place).max(1.0);
-        let UsualEvidence { expected, least } = usual;
+        let UsualEvidence { expected, min } = usual;
         Ok(Suspicion {
             settings,
             usual: expected,
             recent: expected,
             expected,
-            least,
-            tolerance: 0.6 * (expected - least),
+            min,
+            tolerance: 0.6 * (expected - min),
             log_places: places.ln(),
             log_odds: -SUREST,
             pause: 1,
@@ -138,7 +138,7 @@ impl Suspicion {
             return self.probability();
         }
         let carried_off = self.probability() + self.settings.rate * (1.0 - self.probability());
-        let elsewhere = self.usual.max(self.least) * beams - self.log_places;
+        let elsewhere = self.usual.max(self.min) * beams - self.log_places;
         let odds = (carried_off / (1.0 - carried_off)).ln() + elsewhere - log_evidence;
         self.log_odds = if odds.is_nan() { self.log_odds } else { odds.clamp(-SUREST, SUREST) };
         if log_evidence.is_finite() {

@@ -1,6 +1,6 @@
-//! The part of the filter that changes: the particle set, and what decides over it.
+//! The belief: the particles, with prediction, correction, resampling and injection.
 
-use super::scan::{Observation, Surroundings};
+use super::scan::{Observation, PreparedMap};
 use super::{MclSettings, MotionSettings, UpdateReport};
 use crate::filter::Weighing;
 use crate::motion::{DifferentialStep, DrivenPath, NoisyStep, OmnidirectionalStep, PathNoise};
@@ -26,11 +26,11 @@ pub(super) struct Belief {
     policy: ResamplePolicy,
     independent_beams: f64,
     tempering: Option<Tempering>,
-    /// For the places that a search finds.
-    pub(super) everywhere: Tempering,
+    /// For particles around the candidates of a search.
+    pub(super) search_tempering: Tempering,
     pub(super) suspicion: Option<Suspicion>,
     pub(super) augmented: Option<AugmentedMcl>,
-    /// Whether the particle set has seen a scan since it was spread, and whether over the whole map.
+    /// Whether there was a scan since the start, and whether that was over the whole map.
     pub(super) has_seen: bool,
     pub(super) is_anywhere: bool,
     pub(super) updates_since_resampling: usize,
@@ -49,7 +49,7 @@ impl Belief {
             policy: settings.policy,
             independent_beams: settings.independent_beams,
             tempering: settings.tempering.map(Tempering::new).transpose()?,
-            everywhere: Tempering::default(),
+            search_tempering: Tempering::default(),
             suspicion: suspicion.map(|s| Suspicion::new(s, usual, area)).transpose()?,
             augmented: settings.recovery.augmented.map(AugmentedMcl::new).transpose()?,
             has_seen: false,
@@ -58,22 +58,22 @@ impl Belief {
         })
     }
 
-    /// Whether the particle set is spread over the whole map and has seen nothing yet.
-    pub(super) fn is_looking(&self) -> bool {
+    /// Whether the particles are spread over the whole map and there was no scan yet.
+    pub(super) fn awaits_first_scan(&self) -> bool {
         self.is_anywhere && !self.has_seen
     }
 
-    /// Moves the particle set by a step and weighs it by scans.
+    /// Moves the particles by a step and weights them by scans.
     pub(super) fn update(
         &mut self,
         step: &Step,
         scan: &Observation<'_>,
         endpoints: &Endpoints,
-        map: &Surroundings,
+        map: &PreparedMap,
     ) -> UpdateReport {
-        let is_lost = self.is_looking();
+        let is_lost = self.awaits_first_scan();
         self.has_seen = true;
-        let found = if is_lost { self.look_everywhere(map, scan, endpoints) } else { None };
+        let found = if is_lost { self.search_map(map, scan, endpoints) } else { None };
         let (report, searched) = match found {
             Some(found) => {
                 *self.filter.particles_mut() = found.particles;
@@ -82,7 +82,7 @@ impl Belief {
             None => (self.track(step, scan), false),
         };
         if !is_lost {
-            self.suspect(report.log_evidence, endpoints.len());
+            self.update_suspicion(report.log_evidence, endpoints.len());
             self.inject(report.log_evidence, map);
         }
         let TemperingReport { stages, log_evidence } = report;
@@ -90,7 +90,7 @@ impl Belief {
         UpdateReport { stages, log_evidence, effective_sample_size, searched }
     }
 
-    /// Sample the motion, weigh, resample: by degrees, or at once.
+    /// Samples the motion, weights, resamples: tempered, or in one stage.
     // ANCHOR: track
     fn track(&mut self, step: &Step, scan: &Observation<'_>) -> TemperingReport {
         match &mut self.tempering {
@@ -116,59 +116,57 @@ impl Belief {
     }
     // ANCHOR_END: track
 
-    /// Takes in what the scan says about the robot's being elsewhere.
-    fn suspect(&mut self, log_evidence: f64, beams: usize) {
+    /// Updates the probability that the robot is elsewhere.
+    fn update_suspicion(&mut self, log_evidence: f64, beams: usize) {
         let beams = self.independent_beams.min(beams as f64);
         if let Some(suspicion) = &mut self.suspicion {
             suspicion.update(log_evidence, beams);
         }
     }
 
-    /// Moves and weighs the present particle set, which a search has found.
-    pub(super) fn track_elsewhere(&mut self, step: &Step, scan: &Observation<'_>) {
+    /// Moves and weights the present particles, which a search has found.
+    pub(super) fn track_alternative(&mut self, step: &Step, scan: &Observation<'_>) {
         let count = self.filter.count_needed(&mut self.kld);
-        self.everywhere.update(&mut self.filter, step, scan, count);
+        self.search_tempering.update(&mut self.filter, step, scan, count);
         self.shrink(count);
     }
 
-    /// Draws fewer particles where a particle set has outgrown its need, after a search, say.
+    /// Draws fewer particles where there are far more than needed, for instance after a search.
     fn shrink(&mut self, count: usize) {
         if self.filter.particles().len() > 2 * count {
             self.filter.resample(self.resampling, count);
         }
     }
 
-    /// Replaces as many particles by random ones as the running averages call for.
-    fn inject(&mut self, log_evidence: f64, map: &Surroundings) {
+    /// Replaces the share of particles that augmented MCL requires by random ones.
+    fn inject(&mut self, log_evidence: f64, map: &PreparedMap) {
         let Some(augmented) = &mut self.augmented else { return };
         let share = augmented.update(log_evidence);
         let count = (share * self.filter.particles().len() as f64).round() as usize;
-        let strangers: Vec<_> =
+        let random: Vec<_> =
             (0..count).map(|_| map.free_space.draw(self.filter.rng_mut())).collect();
-        self.filter.particles_mut().replace_evenly(&strangers);
+        self.filter.particles_mut().replace_evenly(&random);
     }
 }
 
-/// What a beam is worth: three of four end on the map's obstacles where the robot is right, half of
-/// them at the least.
+/// Log-likelihood of a beam at the true pose: three of four beams end on obstacles of the map, and at
+/// least half of them.
 fn usual_evidence(field: &LikelihoodFieldSettings) -> UsualEvidence {
     // The mean of -d^2 / (2 sigma^2) over the hits is -1/2.
     let hit = field.likelihood(0.0).ln() - 0.5;
     let miss = field.likelihood(f64::INFINITY).ln();
     let mixed = |share: f64| share * hit + (1.0 - share) * miss;
-    UsualEvidence { expected: mixed(0.75), least: mixed(0.5) }
+    UsualEvidence { expected: mixed(0.75), min: mixed(0.5) }
 }
 
-// The motion since the last update, by the model that the settings name.
-
-/// A step of one of the models.
+/// The motion since the last update, by the model of the settings.
 #[derive(Debug)]
 pub(super) enum Step {
     Path(NoisyStep),
     Differential(DifferentialStep),
     Omnidirectional(OmnidirectionalStep),
-    /// From the belief about the start, whatever pose a particle had: mean, and a factor of the
-    /// covariance.
+    /// From the initial pose distribution, independent of the pose of a particle: mean, and a factor
+    /// of the covariance.
     Start(Vector3<f64>, Matrix3<f64>),
 }
 
@@ -186,7 +184,8 @@ impl Step {
         })
     }
 
-    /// The way from the start belief to the first scan; its covariance was checked at the start.
+    /// The motion from the initial pose distribution to the first scan; its covariance was checked at
+    /// the start.
     pub(super) fn from_start(path: &DrivenPath, belief: &Gaussian<3>, noise: &PathNoise) -> Self {
         let belief = noise.belief_after(path, belief);
         Step::Start(belief.mean, belief.factor())

@@ -58,19 +58,60 @@ use scan::{Surroundings, endpoints, select};
 #[derive(Debug)]
 pub struct Mcl {
     settings: MclSettings,
-    surroundings: Surroundings,
+    map: PreparedMap,
     belief: Belief,
-    /// The way since the last update.
+    /// The path of the odometry since the last update.
     path: Option<DrivenPath>,
-    /// The belief about the start, until the first scan.
+    /// The initial pose distribution, until the first scan.
     start: Option<Gaussian<3>>,
     clusterer: Clusterer,
     estimate: Estimate,
     rater: ScanRater,
     monitor: LostMonitor,
-    /// Where else the robot may be, after a search.
-    challenger: Option<Challenger>,
-    /// How much the ranges are short of the map's walls.
+    /// Another hypothesis about the pose, after a search.
+    alternative: Option<Alternative>,
+    /// The common offset between measured ranges and the walls of the map.
+    offset: RangeOffsetEstimate,
+}
+
+/// What [`Mcl::update`] did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Update {
+    /// Only the odometry was recorded: the robot has not moved enough since the last update.
+    StoodStill,
+    /// The particles were moved and weighted.
+    Done(UpdateReport),
+}
+
+/// Figures of an update.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UpdateReport {
+    /// Number of times the particles were rated: 1 unless the update was tempered.
+    pub stages: usize,
+    /// Logarithm of the mean likelihood of the scans over the predicted particles.
+    pub log_evidence: f64,
+    /// Effective sample size at the end.
+    pub effective_sample_size: f64,
+    /// Whether the map was searched for the scan.
+    pub searched: bool,
+}
+
+/// The state of an [`Mcl`], to be kept over a restart of the robot: particles, random generator,
+/// averages, and the path since the last update. Map and settings are not part of it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MclState {
+    particles: Particles,
+    rng: ChaCha8Rng,
+    path: Option<DrivenPath>,
+    start: Option<Gaussian<3>>,
+    has_seen: bool,
+    is_anywhere: bool,
+    updates_since_resampling: usize,
+    suspicion: Option<Suspicion>,
+    augmented: Option<AugmentedMcl>,
+    monitor: LostMonitor,
+    alternative: Option<Alternative>,
     offset: RangeOffsetEstimate,
 }
 
@@ -79,19 +120,19 @@ impl Mcl {
     ///
     /// # Errors
     /// Settings out of range, [`loc_maps::Error::NoFreeSpace`], [`crate::Error::Threads`].
-    pub fn new(map: &OccupancyGrid, settings: MclSettings, rng: ChaCha8Rng) -> Result<Self> {
+    pub fn new(grid: &OccupancyGrid, settings: MclSettings, rng: ChaCha8Rng) -> Result<Self> {
         settings.validate()?;
-        let surroundings = Surroundings::new(map, &settings)?;
-        let mut belief = Belief::new(&settings, surroundings.free_space.area(), rng)?;
+        let map = PreparedMap::new(grid, &settings)?;
+        let mut belief = Belief::new(&settings, map.free_space.area(), rng)?;
         let workers = belief.filter.workers().clone();
         let mut clusterer = Clusterer::new(settings.clusters)?.with_workers(workers);
         let estimate = clusterer.estimate(&Particles::new());
-        let rater = ScanRater::new(map, belief.filter.rng_mut())?;
+        let rater = ScanRater::new(grid, belief.filter.rng_mut())?;
         let monitor = LostMonitor::new(settings.lost)?;
         let (path, start) = (None, None);
         let mut mcl = Mcl {
             settings,
-            surroundings,
+            map,
             belief,
             path,
             start,
@@ -99,11 +140,163 @@ impl Mcl {
             estimate,
             rater,
             monitor,
-            challenger: None,
+            alternative: None,
             offset: RangeOffsetEstimate::default(),
         };
         mcl.start_anywhere();
         Ok(mcl)
+    }
+
+    /// Starts without knowledge of the pose (A2). With the search of
+    /// [`RecoverySettings`] the first scan determines where the robot may be;
+    /// without it particles are spread evenly over the free space.
+    pub fn start_anywhere(&mut self) {
+        let count = self.settings.particles.max_particles;
+        let (free_space, rng) = (&self.map.free_space, self.belief.filter.rng_mut());
+        let particles = Particles::from_poses((0..count).map(|_| free_space.draw(rng)));
+        self.restart(particles, None);
+    }
+
+    /// Starts from an initial pose distribution (A1), with the maximum number of particles.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::NotACovariance`], and [`Error::OffMap`] for a mean that is not on the map
+    /// (walls and unknown space are allowed: a map may be wrong there). The filter is then unchanged.
+    pub fn start_at(&mut self, belief: &Gaussian<3>) -> Result<()> {
+        let pose = belief.pose();
+        check_covariance("covariance of the start pose", &belief.covariance)?;
+        if !pose.is_finite() || !self.map.free_space.is_on_map(pose) {
+            return Err(Error::OffMap { x: pose.x, y: pose.y });
+        }
+        let count = self.settings.particles.max_particles;
+        let particles = Particles::from_gaussian(belief, count, self.belief.filter.rng_mut());
+        self.restart(particles, Some(*belief));
+        Ok(())
+    }
+
+    fn restart(&mut self, particles: Particles, start: Option<Gaussian<3>>) {
+        let belief = &mut self.belief;
+        *belief.filter.particles_mut() = particles;
+        (self.path, self.start, self.alternative) = (None, start, None);
+        (belief.has_seen, belief.is_anywhere) = (false, start.is_none());
+        belief.updates_since_resampling = 0;
+        belief.suspicion.iter_mut().for_each(Suspicion::clear);
+        belief.augmented.iter_mut().for_each(AugmentedMcl::reset);
+        self.monitor = LostMonitor::new(self.settings.lost).unwrap_or(self.monitor);
+        self.estimate = self.clusterer.estimate(belief.filter.particles());
+    }
+
+    /// Records the pose of the odometry between two scans: the noise of a path depends on its length,
+    /// which its ends alone do not determine.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for a pose that is not finite, which is not recorded.
+    pub fn odometry(&mut self, pose: Pose2) -> Result<()> {
+        check(pose, &[])?;
+        self.path.get_or_insert(DrivenPath::starting_at(pose)).extend(pose);
+        Ok(())
+    }
+
+    /// Updates with the pose of the odometry and the scans taken there. The first scan after a start
+    /// is used in any case, later ones when the robot has moved enough.
+    ///
+    /// A jump of the odometry is a motion like any other: the particles follow it, and if no scan
+    /// confirms it the robot is searched for. Without valid beams the particles are only moved.
+    ///
+    /// # Errors
+    /// A scan that is not valid ([`LaserScan::check`](loc_sensors::laser::LaserScan::check)) and a
+    /// pose that is not finite; the filter is then unchanged.
+    pub fn update(&mut self, odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<Update> {
+        check(odometry, scans)?;
+        self.odometry(odometry)?;
+        let step = self.path.map_or(Pose2::IDENTITY, |path| path.step());
+        if self.belief.has_seen
+            && f64::hypot(step.x, step.y) < self.settings.update_distance
+            && step.theta.abs() < self.settings.update_turn
+        {
+            return Ok(Update::StoodStill);
+        }
+        let workers = self.belief.filter.workers().clone();
+        workers.within(|| self.process(scans)).map(Update::Done)
+    }
+
+    /// Updates with scans although the robot may not have moved since the last update.
+    ///
+    /// # Errors
+    /// As for [`update`](Mcl::update).
+    pub fn update_standing(
+        &mut self,
+        odometry: Pose2,
+        scans: &[MountedScan<'_>],
+    ) -> Result<Update> {
+        self.belief.has_seen = false;
+        self.update(odometry, scans)
+    }
+
+    /// One update: sample the motion, weight by the scans, resample (M1); then the estimate, the
+    /// probability of being lost and, where the robot may be elsewhere, the search for it.
+    fn process(&mut self, scans: &[MountedScan<'_>]) -> Result<UpdateReport> {
+        let path = self.path.unwrap_or(DrivenPath::starting_at(Pose2::IDENTITY));
+        let motion = &self.settings.motion;
+        let step = match self.start.take() {
+            Some(belief) => Step::from_start(&path, &belief, &motion.path_noise()),
+            None => Step::new(&path, motion)?,
+        };
+        self.path = Some(DrivenPath::starting_at(path.end()));
+        let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
+        let beams = self.without_novel(&step, scans, beams)?;
+        let offset = self.range_offset();
+        let endpoints = self.without_skipped(&step, endpoints(scans, &beams, offset));
+        let scan = self.map.observe(scans, &beams, &endpoints, &self.settings)?;
+        let report = self.belief.update(&step, &scan, &endpoints, &self.map);
+        let particles = self.belief.filter.particles();
+        self.estimate = self.clusterer.estimate(particles);
+        let pose = self.estimate.belief.pose();
+        let (rater, tolerance) = (&mut self.rater, self.monitor.settings().tolerance);
+        let workers = self.belief.filter.workers();
+        let (fit, support) = workers
+            .both(|| rater.rate_by(workers, pose, scans), || tolerance.support(particles, pose));
+        self.monitor.update(fit, support);
+        let searched = report.searched || self.update_alternative(&step, scans)?;
+        if self.settings.estimates_range_offset() && !searched && self.lost() < MAX_LOST {
+            self.offset.update(&self.map.field, scans, &beams, pose, offset);
+        }
+        Ok(UpdateReport { searched, ..report })
+    }
+
+    /// The beams without those that the novelty filter drops (K3).
+    fn without_novel(
+        &self,
+        step: &Step,
+        scans: &[MountedScan<'_>],
+        beams: Vec<Vec<usize>>,
+    ) -> Result<Vec<Vec<usize>>> {
+        match &self.settings.novelty {
+            Some(filter) if !self.belief.awaits_first_scan() => {
+                self.map.without_novel(scans, beams, &self.predicted(step), filter)
+            }
+            _ => Ok(beams),
+        }
+    }
+
+    /// The ends of the beams without those that beam skipping drops.
+    fn without_skipped(&self, step: &Step, endpoints: Endpoints) -> Endpoints {
+        match self.settings.sensor {
+            SensorSettings::LikelihoodField(FieldSettings { beam_skip: Some(skip), .. }) => {
+                skip.apply(&self.map.field, self.predicted(step).poses(), &endpoints)
+            }
+            _ => endpoints,
+        }
+    }
+
+    /// The particles after the step, without its noise.
+    fn predicted(&self, step: &Step) -> Particles {
+        let particles = self.belief.filter.particles();
+        let mut predicted = Particles::new();
+        for (pose, weight) in particles.poses().iter().zip(particles.log_weights()) {
+            predicted.push(step.moved(pose, [0.0; 4]), *weight);
+        }
+        predicted
     }
 
     /// The settings.
@@ -121,14 +314,14 @@ impl Mcl {
         &self.estimate
     }
 
-    /// The pose of the robot in the map now: that of the last update, carried along by the odometry
+    /// The pose of the robot in the map now: that of the last update, moved by the odometry
     /// since.
     pub fn pose(&self) -> Pose2 {
         let since = self.path.map_or(Pose2::IDENTITY, |path| path.step());
         self.estimate.belief.pose() * since
     }
 
-    /// The pose now with its covariance, which grows on the way since the last update.
+    /// The pose now with its covariance, which grows along the path since the last update.
     pub fn belief(&self) -> Gaussian<3> {
         let noise = self.settings.motion.path_noise();
         let belief = self.estimate.belief;
@@ -146,13 +339,11 @@ impl Mcl {
     pub fn range_offset(&self) -> f64 {
         match self.settings.range_offset {
             RangeOffset::Fixed(offset) => offset,
-            RangeOffset::Estimated => {
-                self.offset.significant(self.surroundings.field.frame().resolution())
-            }
+            RangeOffset::Estimated => self.offset.significant(self.map.field.frame().resolution()),
         }
     }
 
-    /// What the scans said about that, see [`RangeOffset::Estimated`].
+    /// The estimate of that offset, see [`RangeOffset::Estimated`].
     pub fn range_offset_estimate(&self) -> &RangeOffsetEstimate {
         &self.offset
     }
@@ -164,157 +355,7 @@ impl Mcl {
         self.monitor.probability()
     }
 
-    /// Notes where the odometry is, between two scans: the noise of a way depends on how long it
-    /// was, which its ends alone do not tell.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for a pose that is not finite, which is not noted.
-    pub fn odometry(&mut self, pose: Pose2) -> Result<()> {
-        check(pose, &[])?;
-        self.path.get_or_insert(DrivenPath::starting_at(pose)).extend(pose);
-        Ok(())
-    }
-
-    /// Takes in the odometry's pose and what the lasers measured there. The first scan after a
-    /// start counts in any case, later ones when the robot has moved enough.
-    ///
-    /// A jump of the odometry is a motion like any other: the particle set follows it, and if no scan
-    /// bears it out the robot is searched for. Without valid beams the particle set is moved only.
-    ///
-    /// # Errors
-    /// A scan that cannot be one ([`LaserScan::check`](loc_sensors::laser::LaserScan::check)) and a
-    /// pose that is not finite; the filter stays as it was then.
-    pub fn update(&mut self, odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<Update> {
-        check(odometry, scans)?;
-        self.odometry(odometry)?;
-        let step = self.path.map_or(Pose2::IDENTITY, |path| path.step());
-        if self.belief.has_seen
-            && f64::hypot(step.x, step.y) < self.settings.update_distance
-            && step.theta.abs() < self.settings.update_turn
-        {
-            return Ok(Update::StoodStill);
-        }
-        let workers = self.belief.filter.workers().clone();
-        workers.within(|| self.take_in(scans)).map(Update::Done)
-    }
-
-    /// Takes in scans although the robot may not have moved since the last update.
-    ///
-    /// # Errors
-    /// As for [`update`](Mcl::update).
-    pub fn update_standing(
-        &mut self,
-        odometry: Pose2,
-        scans: &[MountedScan<'_>],
-    ) -> Result<Update> {
-        self.belief.has_seen = false;
-        self.update(odometry, scans)
-    }
-
-    fn take_in(&mut self, scans: &[MountedScan<'_>]) -> Result<UpdateReport> {
-        let path = self.path.unwrap_or(DrivenPath::starting_at(Pose2::IDENTITY));
-        let motion = &self.settings.motion;
-        let step = match self.start.take() {
-            Some(belief) => Step::from_start(&path, &belief, &motion.path_noise()),
-            None => Step::new(&path, motion)?,
-        };
-        self.path = Some(DrivenPath::starting_at(path.end()));
-        let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
-        let beams = self.familiar(&step, scans, beams)?;
-        let offset = self.range_offset();
-        let endpoints = self.agreeing(&step, endpoints(scans, &beams, offset));
-        let scan = self.surroundings.observe(scans, &beams, &endpoints, &self.settings)?;
-        let report = self.belief.update(&step, &scan, &endpoints, &self.surroundings);
-        let particles = self.belief.filter.particles();
-        self.estimate = self.clusterer.estimate(particles);
-        let pose = self.estimate.belief.pose();
-        let (rater, tolerance) = (&mut self.rater, self.monitor.settings().tolerance);
-        let workers = self.belief.filter.workers();
-        let (fit, support) = workers
-            .both(|| rater.rate_by(workers, pose, scans), || tolerance.support(particles, pose));
-        self.monitor.update(fit, support);
-        let searched = report.searched || self.challenge(&step, scans)?;
-        if self.settings.estimates_range_offset() && !searched && self.lost() < SURE {
-            self.offset.update(&self.surroundings.field, scans, &beams, pose, offset);
-        }
-        Ok(UpdateReport { searched, ..report })
-    }
-
-    /// The beams without those that a filter against people drops.
-    fn familiar(
-        &self,
-        step: &Step,
-        scans: &[MountedScan<'_>],
-        beams: Vec<Vec<usize>>,
-    ) -> Result<Vec<Vec<usize>>> {
-        match &self.settings.novelty {
-            Some(filter) if !self.belief.is_looking() => {
-                self.surroundings.familiar(scans, beams, &self.predicted(step), filter)
-            }
-            _ => Ok(beams),
-        }
-    }
-
-    /// The ends of beams without those that the settings let be skipped.
-    fn agreeing(&self, step: &Step, endpoints: Endpoints) -> Endpoints {
-        match self.settings.sensor {
-            SensorSettings::LikelihoodField(FieldSettings { beam_skip: Some(skip), .. }) => {
-                skip.apply(&self.surroundings.field, self.predicted(step).poses(), &endpoints)
-            }
-            _ => endpoints,
-        }
-    }
-
-    /// The particle set after the step, without its noise.
-    fn predicted(&self, step: &Step) -> Particles {
-        let particles = self.belief.filter.particles();
-        let mut predicted = Particles::new();
-        for (pose, weight) in particles.poses().iter().zip(particles.log_weights()) {
-            predicted.push(step.moved(pose, [0.0; 4]), *weight);
-        }
-        predicted
-    }
-
-    /// Starts from no idea of the pose (A2). With the search of
-    /// [`RecoverySettings`](RecoverySettings) the first scan says where the robot may be,
-    /// without it particles are spread evenly over the free space.
-    pub fn start_anywhere(&mut self) {
-        let count = self.settings.particles.max_particles;
-        let (free_space, rng) = (&self.surroundings.free_space, self.belief.filter.rng_mut());
-        let particles = Particles::from_poses((0..count).map(|_| free_space.draw(rng)));
-        self.restart(particles, None);
-    }
-
-    /// Starts from a belief about the pose (A1), with the most particles that the settings allow.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::NotACovariance`], and [`Error::OffMap`] for a mean that is not on the map
-    /// (walls and unknown space are: a map may be wrong there). The particle set stays as it was then.
-    pub fn start_at(&mut self, belief: &Gaussian<3>) -> Result<()> {
-        let pose = belief.pose();
-        check_covariance("covariance of the start pose", &belief.covariance)?;
-        if !pose.is_finite() || !self.surroundings.free_space.is_on_map(pose) {
-            return Err(Error::OffMap { x: pose.x, y: pose.y });
-        }
-        let count = self.settings.particles.max_particles;
-        let particles = Particles::from_gaussian(belief, count, self.belief.filter.rng_mut());
-        self.restart(particles, Some(*belief));
-        Ok(())
-    }
-
-    fn restart(&mut self, particles: Particles, start: Option<Gaussian<3>>) {
-        let belief = &mut self.belief;
-        *belief.filter.particles_mut() = particles;
-        (self.path, self.start, self.challenger) = (None, start, None);
-        (belief.has_seen, belief.is_anywhere) = (false, start.is_none());
-        belief.updates_since_resampling = 0;
-        belief.suspicion.iter_mut().for_each(Suspicion::clear);
-        belief.augmented.iter_mut().for_each(AugmentedMcl::reset);
-        self.monitor = LostMonitor::new(self.settings.lost).unwrap_or(self.monitor);
-        self.estimate = self.clusterer.estimate(belief.filter.particles());
-    }
-
-    /// What the filter knows; [`restore`](Mcl::restore) goes on from there, to the bit.
+    /// The state of the filter; [`restore`](Mcl::restore) continues from it, to the bit.
     pub fn state(&self) -> MclState {
         let belief = &self.belief;
         MclState {
@@ -328,12 +369,12 @@ impl Mcl {
             suspicion: belief.suspicion,
             augmented: belief.augmented,
             monitor: self.monitor,
-            challenger: self.challenger.clone(),
+            alternative: self.alternative.clone(),
             offset: self.offset,
         }
     }
 
-    /// Goes on from what another filter, with the same map and settings, knew.
+    /// Continues from the state of another filter with the same map and settings.
     ///
     /// # Errors
     /// [`loc_core::Error::Length`] for a state without particles, and
@@ -353,38 +394,14 @@ impl Mcl {
         belief.updates_since_resampling = state.updates_since_resampling;
         (belief.suspicion, belief.augmented) = (state.suspicion, state.augmented);
         self.monitor = state.monitor;
-        (self.challenger, self.offset) = (state.challenger, state.offset);
+        (self.alternative, self.offset) = (state.alternative, state.offset);
         self.estimate = self.clusterer.estimate(belief.filter.particles());
         Ok(())
     }
 }
 
-// The update: sample the motion, weigh, resample (M1).
-
-/// What [`Mcl::update`] did.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Update {
-    /// Nothing but noting the odometry: the robot has not moved enough since the last update.
-    StoodStill,
-    /// The particle set was moved and weighed.
-    Done(UpdateReport),
-}
-
-/// How an update went.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct UpdateReport {
-    /// How often the particle set was rated: once, unless the scan was taken in by degrees.
-    pub stages: usize,
-    /// Logarithm of the mean likelihood of the scans over the predicted particle set.
-    pub log_evidence: f64,
-    /// Effective sample size at the end.
-    pub effective_sample_size: f64,
-    /// Whether the map was searched for the scan.
-    pub searched: bool,
-}
-
-/// A scan tells an offset of the ranges where the robot is lost with less than this probability.
-const SURE: f64 = 0.1;
+/// Scans are used for the range offset while the probability of being lost is below this.
+const MAX_LOST: f64 = 0.1;
 
 fn check(odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<()> {
     finite("x of the odometry [m]", odometry.x)?;

@@ -1,13 +1,13 @@
-//! How much a laser measures short of the walls that the map shows.
+//! The common offset between the ranges of a laser and the walls of the map.
 //!
 //! A laser may report every range some centimetres short or long, and a map may show its walls in
 //! front of or behind where beams end: drawn a cell too thick, smeared by the poses that it was
-//! made from, or cut off by a simulator's steps. Either looks the same: all beams end before the
-//! walls, or behind them, whatever the pose. In a room a pose can hide half of that (the robot
-//! seems to be nearer to the wall that it faces), so the two are told apart together: around the
+//! made from, or cut off by a simulator's steps. Both have the same effect: all beams end before the
+//! walls, or behind them, at any pose. In a room a pose can compensate half of that (the robot
+//! seems to be nearer to the wall that it faces), so pose and offset are estimated jointly: around the
 //! pose of an update the log-likelihood of the scan is a quadratic function of pose and offset,
-//! whose curvature says how well the offset is known when the pose is left open. What the scans
-//! say is averaged over the drive, and their scatter tells how far to believe it.
+//! whose curvature gives the information about the offset with the pose unknown. The offsets of the
+//! scans are averaged over the drive, and their scatter gives the standard deviation.
 
 use super::scan::{MountedScan, endpoints};
 use crate::Result;
@@ -22,7 +22,7 @@ use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum RangeOffset {
-    /// What the scans themselves say, once it is significant: at least
+    /// Estimated from the scans, and used once it is significant: at least
     /// [`RangeOffset::MIN_CELLS`] and three standard deviations. For the likelihood field as a
     /// product.
     #[default]
@@ -36,7 +36,7 @@ impl RangeOffset {
     /// of a drawn wall and the middle of its first cell, and slanting walls have steps.
     pub const MIN_CELLS: f64 = 0.8;
 
-    /// No offset is larger \[m\].
+    /// Maximum offset, either way \[m\].
     pub const LARGEST: f64 = 0.15;
 
     pub(super) fn validate(&self) -> Result<()> {
@@ -48,7 +48,7 @@ impl RangeOffset {
     }
 }
 
-/// What is known about the offset.
+/// The estimate of the offset.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RangeOffsetEstimate {
@@ -57,35 +57,35 @@ pub struct RangeOffsetEstimate {
     sums: [f64; 3],
     /// Sum of the squares of the information.
     squares: f64,
-    /// Scans that said something.
+    /// Number of scans with information.
     scans: usize,
 }
 
-/// What is kept of the sums from scan to scan: about 100 scans count.
-const MEMORY: f64 = 0.99;
+/// Factor of the sums from scan to scan: about 100 scans count.
+const DECAY: f64 = 0.99;
 
-/// Fewest scans that are believed.
-const FEWEST: usize = 5;
+/// Minimum number of scans for an estimate.
+const MIN_SCANS: usize = 5;
 
 /// Steps over which the log-likelihood is differentiated \[m, m, rad, m\]: about the width of the
 /// field.
 const STEPS: [f64; 4] = [0.04, 0.04, 0.015, 0.04];
 
 /// Offsets that are tried first, to come near the peak, in these steps \[m\]: as many either way.
-const TRIED: (i32, f64) = (5, 0.03);
+const TRIALS: (i32, f64) = (5, 0.03);
 
-/// How far pose and offset of a scan are believed to be off \[m, m, rad, m\]; beyond it, the
-/// quadratic function means nothing.
-const TRUST: [f64; 4] = [0.15, 0.15, 0.05, 0.12];
+/// Maximum errors of pose and offset of a scan \[m, m, rad, m\]; beyond them the quadratic
+/// approximation is not valid.
+const MAX_ERROR: [f64; 4] = [0.15, 0.15, 0.05, 0.12];
 
 impl RangeOffsetEstimate {
-    /// The offset \[m\], `None` before enough scans have said something.
+    /// The offset \[m\], `None` before enough scans with information.
     pub fn offset(&self) -> Option<f64> {
         let [information, sum, _] = self.sums;
-        (self.scans >= FEWEST && information > 0.0).then(|| sum / information)
+        (self.scans >= MIN_SCANS && information > 0.0).then(|| sum / information)
     }
 
-    /// Standard deviation of the offset \[m\], by the scatter of the scans.
+    /// Standard deviation of the offset \[m\], from the scatter of the scans.
     pub fn sigma(&self) -> Option<f64> {
         let mean = self.offset()?;
         let [information, _, sum_of_squares] = self.sums;
@@ -93,7 +93,7 @@ impl RangeOffsetEstimate {
         Some((variance * self.squares).sqrt() / information)
     }
 
-    /// Scans that said something.
+    /// Number of scans with information.
     pub fn scans(&self) -> usize {
         self.scans
     }
@@ -105,7 +105,7 @@ impl RangeOffsetEstimate {
         if is_significant { offset.clamp(-RangeOffset::LARGEST, RangeOffset::LARGEST) } else { 0.0 }
     }
 
-    /// Takes in scans at the pose that they led to with an offset that was used \[m\].
+    /// Updates with scans, given the pose estimated from them and the offset used there \[m\].
     pub(super) fn update(
         &mut self,
         field: &LikelihoodField,
@@ -118,9 +118,9 @@ impl RangeOffsetEstimate {
             let fit = log_likelihood(field, pose, &endpoints(scans, beams, offset));
             (offset, fit)
         };
-        let (count, step) = TRIED;
-        let tried = (-count..=count).map(|k| f64::from(k) * step).chain([used]).map(fit);
-        let Some((near, _)) = tried.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+        let (count, step) = TRIALS;
+        let trials = (-count..=count).map(|k| f64::from(k) * step).chain([used]).map(fit);
+        let Some((near, _)) = trials.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
         let at = |shift: f64| endpoints(scans, beams, near + shift);
         let [shorter, same, longer] = [-STEPS[3], 0.0, STEPS[3]].map(at);
         let ends = |k: i32| match k {
@@ -132,9 +132,9 @@ impl RangeOffsetEstimate {
         let Some((offset, information)) = around.and_then(|around| around.offset()) else { return };
         let offset = near + offset;
         for (sum, new) in self.sums.iter_mut().zip([1.0, offset, offset * offset]) {
-            *sum = MEMORY * *sum + information * new;
+            *sum = DECAY * *sum + information * new;
         }
-        self.squares = MEMORY * MEMORY * self.squares + information * information;
+        self.squares = DECAY * DECAY * self.squares + information * information;
         self.scans += 1;
     }
 }
@@ -189,14 +189,14 @@ impl Surface {
         is_finite.then_some(Surface { gradient, hessian })
     }
 
-    /// The offset at the greatest likelihood \[m\], and its information with the pose left open
+    /// The offset at the greatest likelihood \[m\], and its information with the pose unknown
     /// \[1/m^2\]; `None` where the function has no peak nearby.
     fn offset(&self) -> Option<(f64, f64)> {
-        // A pose is off by no more than this, whatever the scan leaves open.
-        let trust = Vector4::from(TRUST).map(|sigma| 1.0 / (sigma * sigma));
+        // A prior, for directions that the scan does not determine.
+        let trust = Vector4::from(MAX_ERROR).map(|sigma| 1.0 / (sigma * sigma));
         let curvature = Matrix4::from_diagonal(&trust) - self.hessian;
         let step = curvature.cholesky()?.solve(&self.gradient);
-        let is_near = (0..4).all(|k| step[k].abs() <= TRUST[k]);
+        let is_near = (0..4).all(|k| step[k].abs() <= MAX_ERROR[k]);
         let of_pose: Matrix3<f64> = curvature.fixed_view::<3, 3>(0, 0).into();
         let mixed: Vector3<f64> = curvature.fixed_view::<3, 1>(0, 3).into();
         let open = of_pose.cholesky()?.solve(&mixed).dot(&mixed);

@@ -1,4 +1,5 @@
-//! Scans, made ready to rate poses.
+//! Scans and the map, prepared to rate poses: [`PreparedMap`] makes an [`Observation`] of
+//! [`MountedScan`]s.
 
 use super::{MclSettings, NoveltyFilter, SensorSettings, Weighting};
 use crate::initial::FreeSpace;
@@ -12,16 +13,16 @@ use loc_maps::{GlobalSearch, LikelihoodField, OccupancyGrid, RayCaster, SearchSe
 use loc_sensors::laser::{Beam, LaserScan};
 use nalgebra::Point2;
 
-/// A scan with the place of its scanner on the robot.
+/// A scan with the mounting pose of its scanner.
 #[derive(Debug, Clone, Copy)]
 pub struct MountedScan<'a> {
     /// The scan.
     pub scan: &'a LaserScan,
-    /// Where the scanner sits (`base_from_laser`).
+    /// The pose of the scanner on the robot (`base_from_laser`).
     pub mounting: Pose2,
 }
 
-/// Scans that were made at one moment, ready to rate poses.
+/// Scans taken at one time, prepared to rate poses.
 pub(super) enum Observation<'a> {
     Product(FieldLikelihood<'a>),
     SumOfCubes(Box<SumOfCubes<'a>>),
@@ -50,7 +51,7 @@ pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
         }
         SensorSettings::LikelihoodField(_) => {
             let range = settings.min_range..=settings.max_range;
-            // What reports its greatest range has met nothing.
+            // A beam with the maximum range has no return.
             let returned = |beam: &Beam| beam.range < scan.range_max;
             let beams = scan.beams().filter(|beam| range.contains(&beam.range) && returned(beam));
             thinned(beams.map(|beam| beam.index).collect(), settings.beams)
@@ -58,7 +59,7 @@ pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
     }
 }
 
-/// Where the chosen beams of all scans end, in the robot's frame, if all ranges are `offset` \[m\]
+/// Where the selected beams of all scans end, in the robot's frame, if all ranges are `offset` \[m\]
 /// longer than measured.
 pub(super) fn endpoints(scans: &[MountedScan<'_>], beams: &[Vec<usize>], offset: f64) -> Endpoints {
     let ends = scans.iter().zip(beams).flat_map(|(mounted, beams)| {
@@ -73,11 +74,9 @@ pub(super) fn endpoints(scans: &[MountedScan<'_>], beams: &[Vec<usize>], offset:
     ends.map(|Point2 { coords }| [coords.x, coords.y]).collect()
 }
 
-// What is known of the map, made ready for the sensor model and for searches.
-
-/// The map as the filter uses it; nothing of it changes.
+/// The map prepared for the sensor model and for searches; constant.
 #[derive(Debug)]
-pub(super) struct Surroundings {
+pub(super) struct PreparedMap {
     pub(super) free_space: FreeSpace,
     pub(super) field: LikelihoodField,
     /// The obstacles, where the beam model or the distance filter needs them.
@@ -85,13 +84,13 @@ pub(super) struct Surroundings {
     pub(super) search: Option<GlobalSearch>,
 }
 
-/// Places that a search answers with.
-const PLACES: usize = 64;
+/// Maximum number of candidates of a search.
+const CANDIDATES: usize = 64;
 
-/// Poses that stand for the particle set when beams are filtered.
+/// Number of poses that represent the particles when beams are filtered.
 const SAMPLE: usize = 64;
 
-impl Surroundings {
+impl PreparedMap {
     pub(super) fn new(map: &OccupancyGrid, settings: &MclSettings) -> Result<Self> {
         let free_space = FreeSpace::new(map)?;
         let field = as_wide_as_cells(settings.sensor.field(), map);
@@ -99,19 +98,19 @@ impl Surroundings {
             || matches!(settings.novelty, Some(NoveltyFilter::Distance(_)));
         let search = settings.recovery.search.then(|| search(map, &field)).transpose()?;
         let field = LikelihoodField::new(map, &field)?;
-        Ok(Surroundings { free_space, field, caster: casts.then(|| RayCaster::new(map)), search })
+        Ok(PreparedMap { free_space, field, caster: casts.then(|| RayCaster::new(map)), search })
     }
 
-    /// Where a scan fits best, over the whole map; none without a search, or for a scan that says
-    /// nothing.
-    pub(super) fn places(&self, endpoints: &Endpoints) -> Vec<Pose2> {
+    /// Pose candidates: where a scan fits best over the whole map; none without a search, or for a
+    /// scan without usable beams.
+    pub(super) fn candidates(&self, endpoints: &Endpoints) -> Vec<Pose2> {
         let found = self.search.as_ref().and_then(|search| search.search(endpoints).ok());
-        found.into_iter().flatten().map(|place| place.pose).collect()
+        found.into_iter().flatten().map(|candidate| candidate.pose).collect()
     }
 
-    /// The chosen beams without those that a filter against people drops (K3), for a robot at
+    /// The selected beams without those that the novelty filter drops (K3), for a robot at
     /// `predicted`.
-    pub(super) fn familiar(
+    pub(super) fn without_novel(
         &self,
         scans: &[MountedScan<'_>],
         beams: Vec<Vec<usize>>,
@@ -135,7 +134,7 @@ impl Surroundings {
         kept.collect()
     }
 
-    /// Makes scans ready, whose chosen beams end at `endpoints`.
+    /// Prepares scans, whose selected beams end at `endpoints`.
     pub(super) fn observe<'a>(
         &'a self,
         scans: &[MountedScan<'_>],
@@ -162,12 +161,12 @@ impl Surroundings {
     }
 }
 
-/// The search of a map, on a field that forgives the steps of the search.
+/// The search of a map, on a field as wide as the steps of the search.
 fn search(map: &OccupancyGrid, field: &LikelihoodFieldSettings) -> Result<GlobalSearch> {
     let sigma_hit = field.sigma_hit.max(0.15).max(2.0 * map.frame().resolution());
     let field = LikelihoodField::new(map, &LikelihoodFieldSettings { sigma_hit, ..*field })?;
     let settings = SearchSettings {
-        candidates: PLACES,
+        candidates: CANDIDATES,
         separation_distance: 0.5,
         separation_angle: 15_f64.to_radians(),
         within: 0.5,
@@ -177,12 +176,12 @@ fn search(map: &OccupancyGrid, field: &LikelihoodFieldSettings) -> Result<Global
     Ok(GlobalSearch::new(map, field, settings)?)
 }
 
-/// A field cannot be sharper than the map: a map of coarse cells is coarse in its walls as well.
+/// A field cannot be sharper than the map: coarse cells make coarse walls.
 /// 0.05 m suits cells of 0.05 m, 0.2 m those of 0.1 m.
 fn as_wide_as_cells(
     field: LikelihoodFieldSettings,
     map: &OccupancyGrid,
 ) -> LikelihoodFieldSettings {
-    let least = 20.0 * map.resolution().powi(2);
-    LikelihoodFieldSettings { sigma_hit: field.sigma_hit.max(least), ..field }
+    let min = 20.0 * map.resolution().powi(2);
+    LikelihoodFieldSettings { sigma_hit: field.sigma_hit.max(min), ..field }
 }

@@ -133,7 +133,7 @@ pub struct RecoverySettings {
     /// Searches the whole map for the scan at a start from nowhere and on suspicion; without it,
     /// such a start spreads particles evenly.
     pub search: bool,
-    /// When to suspect that the robot is elsewhere; `None` for never.
+    /// When to update_suspicion that the robot is elsewhere; `None` for never.
     #[cfg_attr(feature = "serde", serde(with = "optional"))]
     pub suspicion: Option<SuspicionSettings>,
     /// Random particles by running averages of the evidence; `None` for none.
