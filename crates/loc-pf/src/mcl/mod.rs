@@ -2,9 +2,14 @@
 //!
 //! [`Mcl`] is the whole filter behind one settings struct: feed it the odometry's pose and what the
 //! lasers measured there, and read the pose. Its update is the textbook's (sample the motion,
-//! weigh, resample) with three additions: sharp scans are taken in by degrees ([`crate::tempering`]),
-//! scans that fit badly raise the suspicion that the robot is elsewhere ([`crate::recovery`]), and
+//! weigh, resample) with three additions: scans with a narrow likelihood are used in stages ([`crate::tempering`]),
+//! scans that fit badly raise the probability that the robot is elsewhere ([`crate::recovery`]), and
 //! then the whole map is searched ([`loc_maps::search`]).
+//!
+//! The files: this one has the filter, its update and its saved state; `belief` the particles with
+//! prediction, correction and resampling; `scan` the scans and the map prepared for the sensor
+//! model; `recovery` the search for the robot elsewhere; `range_offset` the estimate of a common
+//! range offset; `settings` all settings.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -51,8 +56,8 @@ use loc_filters::localizer::{self, Decision, Hypothesis, Localizer, Outcome, Par
 use loc_maps::OccupancyGrid;
 use loc_maps::likelihood_field::Endpoints;
 use loc_sensors::event::{Control, Measurement};
-use recovery::Challenger;
-use scan::{Surroundings, endpoints, select};
+use recovery::Alternative;
+use scan::{PreparedMap, endpoints, select};
 
 /// A robot with lasers in a known map.
 #[derive(Debug)]
@@ -309,7 +314,7 @@ impl Mcl {
         self.belief.filter.particles()
     }
 
-    /// What the cloud says about the pose at the last update.
+    /// The estimate of the pose at the last update, with its clusters.
     pub fn last_estimate(&self) -> &Estimate {
         &self.estimate
     }
@@ -400,42 +405,6 @@ impl Mcl {
     }
 }
 
-/// Scans are used for the range offset while the probability of being lost is below this.
-const MAX_LOST: f64 = 0.1;
-
-fn check(odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<()> {
-    finite("x of the odometry [m]", odometry.x)?;
-    finite("y of the odometry [m]", odometry.y)?;
-    finite("heading of the odometry [rad]", odometry.theta)?;
-    scans.iter().try_for_each(|mounted| {
-        finite("mounting of a laser", mounted.mounting.to_vector().sum())?;
-        Ok(mounted.scan.check()?)
-    })
-}
-
-// Where the robot may be at the start.
-
-// What a filter knows, to be kept over a restart of the robot.
-
-/// Everything that changes while an [`Mcl`] runs: particle set, randomness, averages, and the way since
-/// the last update. Map and settings are not part of it.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MclState {
-    particles: Particles,
-    rng: ChaCha8Rng,
-    path: Option<DrivenPath>,
-    start: Option<Gaussian<3>>,
-    has_seen: bool,
-    is_anywhere: bool,
-    updates_since_resampling: usize,
-    suspicion: Option<Suspicion>,
-    augmented: Option<AugmentedMcl>,
-    monitor: LostMonitor,
-    challenger: Option<Challenger>,
-    offset: RangeOffsetEstimate,
-}
-
 /// Predicts with the poses of an odometry and corrects with scans; a scan is one outcome.
 impl Localizer for Mcl {
     fn predict(&mut self, _stamp: f64, control: &Control) -> loc_filters::Result<()> {
@@ -487,4 +456,17 @@ impl Localizer for Mcl {
             .into_iter()
             .collect()
     }
+}
+
+/// Scans are used for the range offset while the probability of being lost is below this.
+const MAX_LOST: f64 = 0.1;
+
+fn check(odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<()> {
+    finite("x of the odometry [m]", odometry.x)?;
+    finite("y of the odometry [m]", odometry.y)?;
+    finite("heading of the odometry [rad]", odometry.theta)?;
+    scans.iter().try_for_each(|mounted| {
+        finite("mounting of a laser", mounted.mounting.to_vector().sum())?;
+        Ok(mounted.scan.check()?)
+    })
 }

@@ -241,7 +241,7 @@ fn tracked(grid: &OccupancyGrid, blocked: f64, filtered: bool, seed: u64) -> f64
         }
         filter.weigh(&BeamLikelihood::new(&caster, &settings, &mounted, &beams, 0.3).unwrap());
         filter.normalize();
-        let mean = loc_pf::estimate(filter.particles()).pose();
+        let mean = loc_pf::estimate::moments(filter.particles()).pose();
         errors += f64::hypot(mean.x - truth.x, mean.y - truth.y) / 20.0;
         filter.resample(Resampling::Systematic, 400);
     }
