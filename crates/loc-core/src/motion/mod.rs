@@ -15,18 +15,8 @@
 //! assert!((end.x - 2.0 / std::f64::consts::PI).abs() < 1e-12 && (end.x - end.y).abs() < 1e-12);
 //! ```
 
-mod chord;
-mod driven;
-mod integration;
-mod noise;
 mod odometry;
-mod propagation;
-mod twist;
+mod velocity;
 
-pub use chord::Chord;
-pub use driven::{DrivenPath, LinearizedStep, PathNoise};
-pub use integration::{Integration, StepJacobians};
-pub use noise::VelocityNoise;
-pub use odometry::{OdometryMotion, OdometryNoise};
-pub use propagation::dead_reckon;
-pub use twist::Twist2;
+pub use odometry::{DrivenPath, LinearizedStep, OdometryMotion, OdometryNoise, PathNoise};
+pub use velocity::{Chord, Integration, StepJacobians, Twist2, VelocityNoise, dead_reckon};

@@ -1,6 +1,26 @@
 //! The odometry motion model: a step as turn, drive, turn (Probabilistic Robotics, 5.4).
+//!
+//! What a robot has driven, and how far its odometry may be off by then.
+//!
+//! Errors of odometry grow with the way driven and the turning done, not with the square of their
+//! sum: variances add up along the way, so that it makes no difference into how many steps a
+//! drive is cut (E7). [`PathNoise`] carries a belief along a [`DrivenPath`] to first order (E6).
+//!
+//! ```
+//! use loc_core::motion::{DrivenPath, PathNoise};
+//! use loc_core::{Gaussian, Pose2};
+//! let mut path = DrivenPath::starting_at(Pose2::IDENTITY);
+//! path.extend(Pose2::new(1.0, 0.0, 0.0));
+//! path.extend(Pose2::new(0.5, 0.0, 0.0));
+//! assert_eq!((path.length(), path.step().x), (1.5, 0.5));
+//! let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
+//! let after = PathNoise::default().belief_after(&path, &start);
+//! assert_eq!(after.pose(), Pose2::new(0.5, 0.0, 0.0));
+//! assert!((after.covariance.m11 - 1.5 * 0.05_f64.powi(2)).abs() < 1e-12);
+//! ```
 
-use crate::{Pose2, angle};
+use crate::error::{non_negative, probability};
+use crate::{Gaussian, Pose2, Result, angle};
 use nalgebra::{Matrix3, Vector3};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -103,4 +123,163 @@ impl OdometryMotion {
             rot2: angle::wrap(self.rot2 + draw(variances.z)),
         }
     }
+}
+
+/// A way through the odometry's frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct DrivenPath {
+    from: Pose2,
+    to: Pose2,
+    length: f64,
+    turned: f64,
+}
+
+/// How far odometry may be off after a way; variances in proportion to length and turning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct PathNoise {
+    /// Standard deviation along the way after 1 m \[m\]; `sqrt(k_d)` of E7.
+    pub along: f64,
+    /// Standard deviation across the way after 1 m \[m\].
+    pub across: f64,
+    /// Standard deviation of the heading after 1 m \[rad\]; `sqrt(k_drift)` of E7.
+    pub drift: f64,
+    /// Standard deviation of the heading after turning by 1 rad \[rad\]; `sqrt(k_theta)` of E7.
+    pub turn: f64,
+    /// Standard deviation of the position after turning by 1 rad \[m\]: the point that odometry
+    /// tracks is not quite the one it turns about.
+    pub pivot: f64,
+    /// Standard deviation of the position that every update has, however short its way \[m\]: it
+    /// keeps particles apart, and a filter from being sure of what it cannot know.
+    pub min_position: f64,
+    /// The same for the heading \[rad\].
+    pub min_heading: f64,
+    /// Probability that odometry fails in a step: slip, a push, a wrong count.
+    pub fault_probability: f64,
+}
+
+impl Default for PathNoise {
+    fn default() -> Self {
+        PathNoise {
+            along: 0.05,
+            across: 0.03,
+            drift: 3_f64.to_radians(),
+            turn: 5_f64.to_radians(),
+            pivot: 0.05,
+            min_position: 0.005,
+            min_heading: 0.2_f64.to_radians(),
+            fault_probability: 0.1,
+        }
+    }
+}
+
+impl PathNoise {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] naming the first that is not allowed.
+    pub fn validate(&self) -> Result<()> {
+        non_negative("noise along the way [m]", self.along)?;
+        non_negative("noise across the way [m]", self.across)?;
+        non_negative("drift of the heading [rad]", self.drift)?;
+        non_negative("noise of turning [rad]", self.turn)?;
+        non_negative("noise of the pivot [m]", self.pivot)?;
+        non_negative("least noise of the position [m]", self.min_position)?;
+        non_negative("least noise of the heading [rad]", self.min_heading)?;
+        probability("probability of an odometry fault", self.fault_probability)?;
+        Ok(())
+    }
+
+    /// Variances that a way adds along it \[m^2\], across it \[m^2\] and to the heading \[rad^2\],
+    /// faults of the odometry and the least noise left aside.
+    pub fn variances(&self, path: &DrivenPath) -> Vector3<f64> {
+        let pivot = self.pivot.powi(2) * path.turned;
+        Vector3::new(
+            self.along.powi(2) * path.length + pivot,
+            self.across.powi(2) * path.length + pivot,
+            self.drift.powi(2) * path.length + self.turn.powi(2) * path.turned,
+        )
+    }
+
+    /// Standard deviations along a way \[m\], across it \[m\] and of the heading \[rad\] where
+    /// odometry has failed on it: it is then off by about what it reports.
+    pub fn fault_sigmas(path: &DrivenPath) -> Vector3<f64> {
+        let (way, turned) = (path.length, path.turned);
+        Vector3::new(way, 0.3 * way, 0.3 * turned + 0.1 * way)
+    }
+
+    /// A step along a way from `pose`, with `variances` along it, across it and of the heading.
+    ///
+    /// On the average over the way the heading is off by half of what it is off at the end.
+    pub fn step(path: &DrivenPath, pose: Pose2, variances: &Vector3<f64>) -> LinearizedStep {
+        let after = pose * path.step();
+        let (dx, dy) = (after.x - pose.x, after.y - pose.y);
+        let (sin, cos) = pose.theta.sin_cos();
+        let by_pose = Matrix3::new(1.0, 0.0, -dy, 0.0, 1.0, dx, 0.0, 0.0, 1.0);
+        let by_noise = Matrix3::new(cos, -sin, -0.5 * dy, sin, cos, 0.5 * dx, 0.0, 0.0, 1.0);
+        let noise = by_noise * Matrix3::from_diagonal(variances) * by_noise.transpose();
+        LinearizedStep { pose: after, by_pose, noise }
+    }
+
+    /// A belief carried along a way to first order (E6), faults of the odometry and the least
+    /// noise left aside.
+    pub fn belief_after(&self, path: &DrivenPath, belief: &Gaussian<3>) -> Gaussian<3> {
+        let LinearizedStep { pose, by_pose, noise } =
+            PathNoise::step(path, belief.pose(), &self.variances(path));
+        let covariance = by_pose * belief.covariance * by_pose.transpose() + noise;
+        Gaussian { mean: pose.to_vector(), covariance }
+    }
+}
+
+impl DrivenPath {
+    /// A way that has not begun, at a pose of the odometry's frame.
+    pub fn starting_at(pose: Pose2) -> Self {
+        DrivenPath { from: pose, to: pose, length: 0.0, turned: 0.0 }
+    }
+
+    /// Drives on to the next pose that odometry reports.
+    pub fn extend(&mut self, to: Pose2) {
+        let step = self.to.between(to);
+        self.length += f64::hypot(step.x, step.y);
+        self.turned += step.theta.abs();
+        self.to = to;
+    }
+
+    /// Where it began, in the odometry's frame.
+    pub fn start(&self) -> Pose2 {
+        self.from
+    }
+
+    /// Where it ends, in the odometry's frame.
+    pub fn end(&self) -> Pose2 {
+        self.to
+    }
+
+    /// The end as seen from the start.
+    pub fn step(&self) -> Pose2 {
+        self.from.between(self.to)
+    }
+
+    /// The length of the way, not of the straight line \[m\].
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// All turning on the way, whichever way round \[rad\].
+    pub fn turned(&self) -> f64 {
+        self.turned
+    }
+}
+
+/// A step along a [`DrivenPath`], linearised at the pose where it starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearizedStep {
+    /// The pose that it leads to.
+    pub pose: Pose2,
+    /// Its derivative over the pose before, 3 x 3.
+    pub by_pose: Matrix3<f64>,
+    /// The covariance that it adds over (x, y, theta) \[m, m, rad\], 3 x 3.
+    pub noise: Matrix3<f64>,
 }

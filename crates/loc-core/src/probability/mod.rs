@@ -17,9 +17,6 @@
 
 pub mod bayes;
 mod discrete;
-mod joint;
-mod uniform;
 
-pub use discrete::Discrete;
-pub use joint::Joint;
-pub use uniform::Uniform;
+pub use crate::sampling::Uniform;
+pub use discrete::{Discrete, Joint};

@@ -20,15 +20,15 @@
 
 mod chi_square;
 pub mod consistency;
-mod covariance;
-mod interval;
-mod moments;
-mod order;
+mod sample;
 
-pub use chi_square::{chi_square_band, chi_square_cdf, chi_square_interval, chi_square_quantile};
+pub use chi_square::{
+    chi_square_band, chi_square_cdf, chi_square_interval, chi_square_quantile, mean_interval,
+    wilson_interval,
+};
 pub use consistency::{autocorrelation, nees, whiteness_bound};
-pub(crate) use covariance::normalized;
-pub use covariance::{correlation, covariance, covariance_matrix, sample_gaussian};
-pub use interval::{mean_interval, wilson_interval};
-pub use moments::RunningMoments;
-pub use order::{median, quantile, rms};
+pub(crate) use sample::normalized;
+pub use sample::{
+    RunningMoments, correlation, covariance, covariance_matrix, median, quantile, rms,
+    sample_gaussian,
+};

@@ -1,10 +1,8 @@
 //! What cannot be seen from outside: the instructions that the loops were compiled for.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
 
-use super::rating::{InTiles, Rating};
-use super::readings::LogLikelihood;
-use super::view::{View, sin_cos};
-use super::*;
+use super::rating::{InTiles, LogLikelihood, Rating};
+use super::{View, sin_cos, *};
 use crate::grid::Cell;
 use loc_core::random::stream;
 use pulp::{Simd, WithSimd};

@@ -25,12 +25,8 @@
 //! # Ok::<(), loc_maps::Error>(())
 //! ```
 
-mod bits;
 mod caster;
-mod ray;
-mod search;
 mod traversal;
 
 pub use caster::RayCaster;
-pub use ray::GridRay;
-pub use traversal::Traversal;
+pub use traversal::{GridRay, Traversal};

@@ -1,7 +1,6 @@
 //! Topological maps as TOML files.
 
-use super::place::way_length;
-use super::{Edge, Place, PlaceKind, TopologicalMap};
+use super::{Edge, Place, PlaceKind, TopologicalMap, way_length};
 use crate::bounds::coordinate;
 use crate::{Error, Result};
 use loc_core::error::non_negative;

@@ -14,12 +14,10 @@
 //! assert!(matches!(seen[0].sight, Observed::RangeBearing { range, .. } if range == 5.0));
 //! ```
 
-mod calibration;
-mod noise;
 mod observation;
 mod simulated;
 
-pub use calibration::CameraCalibration;
-pub use noise::LandmarkNoise;
-pub use observation::{LandmarkObservation, Observed, ObservedKind};
+pub use observation::{
+    CameraCalibration, LandmarkNoise, LandmarkObservation, Observed, ObservedKind,
+};
 pub use simulated::LandmarkCamera;

@@ -18,14 +18,10 @@
 //! # Ok::<(), loc_core::Error>(())
 //! ```
 
-mod deskew;
-mod noise;
-mod optics;
 mod scan;
 mod simulated;
 mod spec;
 
-pub use noise::{LaserFaults, LaserNoise};
 pub use scan::{Beam, LaserScan};
 pub use simulated::LaserScanner;
-pub use spec::LaserSpec;
+pub use spec::{LaserFaults, LaserNoise, LaserSpec};

@@ -21,14 +21,9 @@
 //! ```
 
 mod image;
-mod noise;
-mod profile;
 mod simulated;
 mod spec;
-mod virtual_scan;
 
-pub use image::{CloudPoint, ColorImage, DepthImage, Frame};
-pub use noise::DisparityNoise;
+pub use image::{CloudPoint, ColorImage, DepthImage, Frame, VirtualScan};
 pub use simulated::DepthCamera;
-pub use spec::DepthCameraSpec;
-pub use virtual_scan::VirtualScan;
+pub use spec::{DepthCameraSpec, DisparityNoise};

@@ -1,6 +1,6 @@
 //! The simulated camera.
 
-use super::profile::{Column, Surface, View};
+use super::image::{Column, Surface, View};
 use super::{ColorImage, DepthCameraSpec, DepthImage, Frame};
 use crate::Result;
 use crate::check::finite_pose;

@@ -13,17 +13,11 @@
 //! # Ok::<(), loc_core::Error>(())
 //! ```
 
-mod landmarks;
-mod objects;
-mod pane;
 mod room;
 mod walls;
 
-pub use landmarks::Landmarks;
-pub use objects::{MovingObject, ObjectWorld};
-pub use pane::{Glazed, Pane, Surface};
-pub use room::{Pillar, Room};
-pub use walls::{Extruded, Rgb, WallHit, WallWorld};
+pub use room::{Glazed, MovingObject, ObjectWorld, Pane, Pillar, Room, Surface};
+pub use walls::{Extruded, Landmarks, Rgb, WallHit, WallWorld};
 
 use nalgebra::Point2;
 

@@ -1,11 +1,8 @@
 //! What is to be known of one region: its middle, its width, its kind, the ways to its doors.
 
-use super::clear::around;
-use super::floor::Floor;
-use super::outline;
-use super::passages::Passage;
-use super::regions::NONE;
-use super::{ExtractSettings, PlaceKind};
+use super::regions::{NONE, Passage};
+use super::{ExtractSettings, Floor, PlaceKind, around};
+use crate::LineSegment;
 use crate::grid::Cell;
 use nalgebra::Point2;
 use std::cmp::Reverse;
@@ -76,18 +73,18 @@ fn inside(
     // Once along the middle of the floor, for ways that look like ways, then from the end that is
     // farthest straight, for the length.
     let farthest = |far: &[u32]| cells.iter().copied().max_by_key(|&index| (far[index], index));
-    walk(floor, labels, region, center, WALLS, far);
+    walk_costs(floor, labels, region, center, WALLS, far);
     let own = passages.iter().enumerate().filter(|(_, p)| p.between.contains(&region));
     let ways = own.map(|(number, p)| (number, way(floor, labels, region, p.cell, far))).collect();
     let end = farthest(far).unwrap_or(center);
     cells.iter().for_each(|&index| far[index] = u32::MAX);
-    walk(floor, labels, region, end, 0, far);
+    walk_costs(floor, labels, region, end, 0, far);
     let length = farthest(far).map_or(0.0, |index| f64::from(far[index]));
     let length = length / f64::from(STEPS[0] * PLAIN);
     Inside {
         center: Cell::new(center % width, center / width),
         ways,
-        outline: outline::trace(floor, labels, region, cells),
+        outline: trace(floor, labels, region, cells),
         clearance,
         elongation: length * length / cells.len().max(1) as f64,
     }
@@ -115,7 +112,7 @@ fn way(
         (at, steps) = (next, far[next]);
         cells.push(place(at));
     }
-    let mut way = outline::straightened(&cells);
+    let mut way = straightened(&cells);
     way.reverse();
     let between = way.len().saturating_sub(1).max(1);
     let centers = way.get(1..between).unwrap_or_default().iter();
@@ -142,7 +139,14 @@ fn center(floor: &Floor, cells: &[usize], clearance: u32) -> usize {
 
 /// The costs of the ways from one cell to all others of its region (Dijkstra): [`STEPS`] times
 /// [`PLAIN`], and more near walls.
-fn walk(floor: &Floor, labels: &[usize], region: usize, start: usize, walls: u32, far: &mut [u32]) {
+fn walk_costs(
+    floor: &Floor,
+    labels: &[usize],
+    region: usize,
+    start: usize,
+    walls: u32,
+    far: &mut [u32],
+) {
     let (width, height) = (floor.frame.width(), floor.frame.height());
     let mut open = BinaryHeap::from([Reverse((0, start))]);
     far[start] = 0;
@@ -165,4 +169,113 @@ fn walk(floor: &Floor, labels: &[usize], region: usize, start: usize, walls: u32
 /// What a cell costs more: `walls` divided by its clearance, and a lot under furniture.
 fn walls_cost(walls: u32, squared_clearance: u32) -> u32 {
     walls.checked_div(squared_clearance.isqrt()).unwrap_or(10 * walls)
+}
+
+// The outline of a region as a polygon.
+
+/// Corners that lie off the polygon by less than this are left out \[cells\].
+const TOLERANCE: f64 = 1.5;
+/// Largest change of the area by that, as a share.
+const AREA: f64 = 0.2;
+
+/// A corner of cells, in cells from the grid's lower-left one.
+type Corner = (isize, isize);
+
+/// East, north, west, south.
+const WAYS: [Corner; 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
+
+/// The outer outline of a region in the map \[m\], counter-clockwise.
+pub(super) fn trace(
+    floor: &Floor,
+    labels: &[usize],
+    region: usize,
+    cells: &[usize],
+) -> Vec<Point2<f64>> {
+    let Some(&first) = cells.first() else { return Vec::new() };
+    let (width, height) = (floor.frame.width(), floor.frame.height());
+    let inside = |(x, y): Corner| match (usize::try_from(x), usize::try_from(y)) {
+        (Ok(x), Ok(y)) if x < width && y < height => labels[y * width + x] == region,
+        _ => false,
+    };
+    let start = ((first % width) as isize, (first / width) as isize);
+    let corners = follow_border(start, inside);
+    let points: Vec<Point2<f64>> =
+        corners.iter().map(|&(x, y)| Point2::new(x as f64, y as f64)).collect();
+    let simple = simplified(&points);
+    // Of a place hardly wider than the tolerance, nothing would be left.
+    let alike = (area(&simple) / area(&points) - 1.0).abs() < AREA;
+    let outline = if alike { simple } else { points };
+    outline.into_iter().map(|p| floor.frame.to_map(p.x, p.y)).collect()
+}
+
+/// Signed area of a polygon, positive where it runs counter-clockwise.
+fn area(points: &[Point2<f64>]) -> f64 {
+    let next = points.iter().cycle().skip(1);
+    points.iter().zip(next).map(|(a, b)| 0.5 * a.coords.perp(&b.coords)).sum()
+}
+
+/// Walks along the border with the region on the left, from the lower-left corner of its first
+/// cell eastwards, back to there.
+fn follow_border(start: Corner, inside: impl Fn(Corner) -> bool) -> Vec<Corner> {
+    let (mut at, mut way) = (start, 0);
+    let mut corners = Vec::new();
+    loop {
+        corners.push(at);
+        let (dx, dy) = WAYS[way];
+        at = (at.0 + dx, at.1 + dy);
+        // The cells ahead, right and left of the way.
+        let cell = |(dx, dy): Corner, (lx, ly): Corner, side: isize| {
+            let twice = (dx + side * lx - 1, dy + side * ly - 1);
+            (at.0 + twice.0.div_euclid(2), at.1 + twice.1.div_euclid(2))
+        };
+        let left = WAYS[(way + 1) % 4];
+        way = if inside(cell((dx, dy), left, -1)) {
+            (way + 3) % 4
+        } else if inside(cell((dx, dy), left, 1)) {
+            way
+        } else {
+            (way + 1) % 4
+        };
+        if at == start && way == 0 {
+            return corners;
+        }
+    }
+}
+
+/// The polygon with fewer corners.
+fn simplified(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
+    let Some(first) = points.first() else { return Vec::new() };
+    let off = |point: &Point2<f64>| nalgebra::distance_squared(point, first);
+    // The closed curve is cut where it starts and where it is farthest from there.
+    let farthest = (0..points.len()).max_by(|&a, &b| off(&points[a]).total_cmp(&off(&points[b])));
+    let farthest = farthest.unwrap_or(0);
+    let mut closed = points.to_vec();
+    closed.push(*first);
+    let mut kept = straightened(&closed[..=farthest]);
+    kept.pop();
+    kept.extend(straightened(&closed[farthest..]));
+    kept.pop();
+    kept
+}
+
+/// The way from the first point to the last with fewer corners, both ends kept (Douglas and
+/// Peucker 1973).
+pub(super) fn straightened(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
+    let last = points.len().saturating_sub(1);
+    let mut kept = vec![0, last];
+    let mut waiting = vec![(0, last)];
+    while let Some((from, to)) = waiting.pop() {
+        let far = (from + 1..to).map(|k| {
+            let chord = LineSegment { start: points[from], end: points[to] };
+            (k, chord.distance(&points[k]))
+        });
+        let Some((corner, far)) = far.max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        if far > TOLERANCE {
+            kept.push(corner);
+            waiting.extend([(from, corner), (corner, to)]);
+        }
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().filter_map(|k| points.get(k)).copied().collect()
 }
