@@ -1,4 +1,5 @@
-//! The multivariate normal distribution: a belief about a vector (F3).
+//! Normal distributions (F3): [`Gaussian`] over a vector, such as the belief about a pose, and
+//! [`Normal`] over one number.
 //!
 //! ```
 //! use loc_core::Gaussian;
@@ -9,11 +10,8 @@
 //! # Ok::<(), loc_core::Error>(())
 //! ```
 //!
-//! The normal distribution of one number (F3).
-//!
-//! Most measurement errors gather around 0 in the shape of a bell. The standard deviation says how
-//! wide the bell is: of all draws, 0.68 lie within one of it, 0.955 within two, 0.997 within three.
-//! For vectors there is [`Gaussian`].
+//! Most measurement errors follow a normal distribution around 0. Of all draws, 0.68 lie within one
+//! standard deviation of the mean, 0.955 within two, 0.997 within three.
 //!
 //! ```
 //! use loc_core::Normal;
@@ -107,8 +105,8 @@ impl<const N: usize> Gaussian<N> {
         Ok(-0.5 * (self.mahalanobis_squared(x)? + log_det + N as f64 * TAU.ln()))
     }
 
-    /// Draws from the distribution. Singular covariances are fine: nothing moves along the
-    /// directions that are certain.
+    /// Draws from the distribution. Singular covariances are allowed: the draws do not vary
+    /// along directions that are certain.
     pub fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> SVector<f64, N> {
         let noise = SVector::<f64, N>::from_fn(|_, _| StandardNormal.sample(rng));
         self.mean + self.factor() * noise

@@ -1,8 +1,8 @@
-//! What the wheels of a drive have to do with the robot's velocity, both ways (E1, E3, E4).
+//! Wheel speeds and the robot's velocity, in both directions (E1, E3, E4).
 //!
 //! Wheel speeds are rim speeds \[m/s\]: revolutions times circumference. Each drive has `twist`,
-//! from its wheels to the robot's [`Twist2`](crate::Twist2); the way back; and the Jacobian of the former, which
-//! takes the noise of the wheels to that of the velocity: `S_u = J S_wheels J^T`.
+//! from its wheels to the robot's [`Twist2`]; `wheels`, the inverse; and the Jacobian of
+//! `twist`, which maps the noise of the wheels to that of the velocity: `S_u = J S_wheels J^T`.
 //!
 //! ```
 //! use loc_core::kinematics::Differential;
@@ -12,14 +12,12 @@
 //! # Ok::<(), loc_core::Error>(())
 //! ```
 //!
-//! The left-handed convention of the KURT2 robot (E5), beside the right-handed one used here.
-//!
-//! KURT2's plane is spanned by x, to the right, and z, straight on. Its heading is 0 along z and
-//! grows clockwise. Turned into this workspace's frame, z is forward (our x), x is to the right
-//! (our -y), and the heading changes its sign.
+//! The KURT2 robot has a left-handed convention (E5). Its plane is spanned by x, to the right, and
+//! z, straight on; its heading is 0 along z and grows clockwise. In this workspace's right-handed
+//! frame, z is forward (x here), x is to the right (-y here), and the heading changes its sign.
 //!
 //! ```
-//! use loc_core::frames::{Kurt2Drive, Kurt2Pose};
+//! use loc_core::kinematics::{Kurt2Drive, Kurt2Pose};
 //! let drive = Kurt2Drive::new(0.25)?;
 //! let pose = drive.step(Kurt2Pose::default(), 0.80, 0.75, 1.0);
 //! assert!((pose.x - 0.0774).abs() < 5e-5 && (pose.z - 0.7711).abs() < 5e-5);
@@ -30,9 +28,8 @@ use crate::error::positive;
 use crate::{Error, Pose2, Result, Twist2};
 use nalgebra::{Matrix3x2, Matrix3x4, Matrix4x3, Vector4};
 
-// Two driven wheels on one axle (E1).
-
-/// A drive with a left and a right wheel: `v = (v_R + v_L)/2`, `omega = (v_R - v_L)/l`.
+/// A drive with a left and a right driven wheel on one axle (E1): `v = (v_R + v_L)/2`,
+/// `omega = (v_R - v_L)/l`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Differential {
@@ -86,9 +83,8 @@ fn refuse_sideways(drive: &'static str, twist: Twist2) -> Result<()> {
     Ok(())
 }
 
-// Four wheels with rollers at 45 degrees: omnidirectional (E4).
-
-/// A Mecanum drive with its rollers in X arrangement, seen from above.
+/// A Mecanum drive (E4): four wheels with rollers at 45 degrees, in X arrangement seen from above;
+/// omnidirectional.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mecanum {
@@ -159,9 +155,7 @@ impl Mecanum {
     }
 }
 
-// Steered front wheels, as a car has them (E3).
-
-/// A drive with steered front wheels, as the bicycle in its middle plane:
+/// A drive with steered front wheels, as a car (E3), reduced to the bicycle in its middle plane:
 /// `omega = v tan(steering) / L`, with v taken at the rear axle.
 ///
 /// The speed comes from the rear wheels (B1), the steering angle from a rotary encoder (B2).

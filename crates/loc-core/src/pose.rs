@@ -1,7 +1,7 @@
 //! Poses in the plane: the group SE(2).
 //!
 //! A pose is where a frame sits in another one: `map_from_base` takes points of the robot's frame
-//! to the map's. Poses are chained with `*` (or [`Pose2::compose`]), turned round with
+//! to the map's. Poses are chained with `*` (or [`Pose2::compose`]), inverted with
 //! [`Pose2::inverse`] and compared with [`Pose2::between`]; each of the three comes with its
 //! Jacobians, over the vector (x, y, theta), for propagating covariances.
 //!
@@ -100,7 +100,8 @@ impl Pose2 {
         f64::hypot(other.x - self.x, other.y - self.y)
     }
 
-    /// [`compose`](Pose2::compose) with its derivatives over `self` and over `other`, 3 x 3 each.
+    /// [`compose`](Pose2::compose) with its derivatives over `self` and over `other`, 3 x 3 each
+    /// (Smith, Self and Cheeseman 1990, as for the other derivatives here).
     pub fn compose_jacobians(self, other: Pose2) -> (Pose2, Matrix3<f64>, Matrix3<f64>) {
         let (sin, cos) = self.theta.sin_cos();
         let result = self.compose(other);
@@ -148,7 +149,8 @@ impl Pose2 {
         (result, by_pose, self.rotation())
     }
 
-    /// Where a frame ends that moves by (dx, dy, dtheta) with constant velocity in its own frame.
+    /// The exponential map of SE(2): the pose of a frame that moves by (dx, dy, dtheta) with
+    /// constant velocity in its own frame for one unit of time.
     ///
     /// Exact arc about the instantaneous centre of rotation, stable as dtheta tends to 0.
     pub fn exp(tangent: &Vector3<f64>) -> Pose2 {
@@ -199,7 +201,3 @@ impl From<Isometry2<f64>> for Pose2 {
         Pose2::new(t.x, t.y, isometry.rotation.angle())
     }
 }
-
-// Derivatives of the pose operations, after Smith, Self and Cheeseman (1990).
-
-// The exponential map of SE(2): a constant twist, driven for one unit of time, is an arc.

@@ -1,10 +1,11 @@
-//! Turning uniform random numbers into numbers of other distributions (F4).
+//! Sampling from distributions by way of uniform random numbers (F4).
 //!
-//! A computer's generator draws evenly from the interval (0, 1). Read as a height on the cumulative
-//! distribution of anything else, such a number leads to a value of that distribution:
+//! A generator draws uniformly from the interval (0, 1). Taken as a value of the cumulative
+//! distribution function of another distribution, such a number maps to a draw from it:
 //! [`inverse_cdf`] does so for a continuous distribution, [`CumulativeTable`] for a list of
-//! weights. For the normal distribution, whose cumulative distribution has no closed inverse,
-//! there is the exact [`box_muller`] and two quick approximations.
+//! weights. For the normal distribution, whose cumulative distribution has no closed inverse, there
+//! is the exact [`box_muller`] and two fast approximations. [`Uniform`] is the continuous uniform
+//! distribution.
 //!
 //! ```
 //! use loc_core::{random, sampling};
@@ -21,13 +22,13 @@ use rand::{Rng, RngExt};
 use std::f64::consts::TAU;
 
 /// A draw from the distribution whose quantile function (inverse cumulative distribution) is
-/// `quantile`; that function is asked at one number from the open interval (0, 1).
+/// `quantile`; that function is evaluated at one number from the open interval (0, 1).
 pub fn inverse_cdf<T, R: Rng + ?Sized>(quantile: impl FnOnce(f64) -> T, rng: &mut R) -> T {
     quantile(rng.sample(Open01))
 }
 
 /// Two independent draws from the standard normal distribution, by the method of Box and Muller
-/// (1958): exact, at the price of a logarithm, a root, a sine and a cosine.
+/// (1958): exact, at the cost of a logarithm, a root, a sine and a cosine.
 // ANCHOR: box-muller
 pub fn box_muller<R: Rng + ?Sized>(rng: &mut R) -> (f64, f64) {
     let (u1, u2): (f64, f64) = (rng.sample(Open01), rng.sample(Open01));
@@ -49,7 +50,7 @@ pub fn twelve_rule<R: Rng + ?Sized>(sigma: f64, rng: &mut R) -> f64 {
 /// A draw from the symmetric triangle with mean 0 and standard deviation `sigma`,
 /// `sqrt(6)/2 [U(-b, b) + U(-b, b)]`; the literature calls `sigma` b.
 ///
-/// A rougher stand-in for the normal distribution: the kurtosis is 2.4, and no draw lies beyond
+/// A coarser approximation of the normal distribution: the kurtosis is 2.4, and no draw lies beyond
 /// `sqrt(6) sigma`.
 pub fn triangular<R: Rng + ?Sized>(sigma: f64, rng: &mut R) -> f64 {
     0.5 * 6_f64.sqrt() * (symmetric(sigma, rng) + symmetric(sigma, rng))
@@ -73,8 +74,8 @@ impl CumulativeTable {
     /// The table of `weights`, which need not sum to 1.
     ///
     /// # Errors
-    /// [`crate::Error::OutOfRange`] for a weight that is negative or not finite, and where the sum is 0
-    /// (no weights included) or overflows.
+    /// [`crate::Error::OutOfRange`] for a weight that is negative or not finite, and where the sum
+    /// is 0 (no weights included) or overflows.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Result<Self> {
         let weights: Vec<f64> = weights.into_iter().collect();
         for &weight in &weights {
@@ -123,8 +124,6 @@ impl CumulativeTable {
         self.sums.partition_point(|&sum| sum <= height).min(self.last)
     }
 }
-
-// The continuous uniform distribution.
 
 /// U\[low, high\]: every number of an interval is equally likely.
 ///

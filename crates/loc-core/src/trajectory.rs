@@ -168,11 +168,10 @@ impl<'a> IntoIterator for &'a Trajectory {
     }
 }
 
-// TUM files: `timestamp tx ty tz qx qy qz qw`, one pose a line.
-
+/// Columns of a TUM file, one pose a line.
 const COLUMNS: [&str; 8] = ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"];
 
-/// How far a quaternion may lean out of the plane before its heading means nothing.
+/// Largest tilt of a quaternion out of the plane.
 const LARGEST_TILT: f64 = 1e-3;
 
 /// The turn about z of a row's quaternion \[rad\].

@@ -1,10 +1,10 @@
 //! Distance to the nearest obstacle, for every cell of a grid at once.
 //!
-//! Asking each cell for its nearest wall one by one would take minutes on a large map. The
-//! transform here finds the exact Euclidean distances of all cells together, in time proportional
-//! to the number of cells (Felzenszwalb and Huttenlocher, "Distance transforms of sampled
-//! functions", 2012): first along the columns, then along the rows, where each column's distance
-//! spans a parabola and the lowest parabola wins. Distances run from centre to centre and are kept
+//! A search of the nearest wall cell by cell would take minutes on a large map. The transform here
+//! finds the exact Euclidean distances of all cells together, in time proportional to the number of
+//! cells (Felzenszwalb and Huttenlocher, "Distance transforms of sampled functions", 2012): first
+//! along the columns, then along the rows, where each column's distance defines a parabola and the
+//! lower envelope of all parabolas is the result. Distances run from centre to centre and are kept
 //! squared, in cells, as whole numbers, so nothing is rounded.
 //!
 //! ```
@@ -24,7 +24,7 @@ use crate::Result;
 use crate::grid::{Cell, GridFrame, Occupancy, OccupancyGrid};
 use nalgebra::Point2;
 
-/// The longest distance that is told apart \[cells\].
+/// The longest distance that is represented \[cells\].
 pub const MAX_DISTANCE_CELLS: f64 = 32_767.0;
 
 /// The distance of every cell of a grid to the nearest obstacle.
@@ -124,7 +124,7 @@ impl DistanceMap {
         if f64::from(squared).sqrt() * self.frame.resolution() > self.max_distance {
             return None;
         }
-        // The distance is known, so only the cells of one circle can be it.
+        // The distance is known, so only cells on one circle are candidates.
         let steps = u64::from(squared).isqrt() as isize;
         let across = |dy: isize| (i64::from(squared) - (dy * dy) as i64).unsigned_abs().isqrt();
         let on_circle = (-steps..=steps).flat_map(|dy| {
@@ -143,15 +143,14 @@ impl DistanceMap {
     }
 }
 
-// First pass: how far each cell is from an obstacle in its own column.
-
-/// Steps to the nearest obstacle up or down the column, at most `reach`, in row-major order.
+/// First pass: steps to the nearest obstacle up or down the column, at most `reach`, in row-major
+/// order.
 ///
-/// Whole rows are compared with their neighbour below, then above: no row waits for itself, so
-/// that the compiler handles many columns at once.
+/// Whole rows are compared with their neighbour below, then above: no row depends on
+/// itself, so the compiler vectorises over columns.
 fn distances(grid: &OccupancyGrid, reach: i16, is_obstacle: impl Fn(i8) -> bool) -> Vec<i16> {
     let width = grid.width();
-    // A value is judged once, not once a cell.
+    // The predicate is evaluated once per value, not once per cell.
     let table: [i16; 256] =
         std::array::from_fn(|byte| if is_obstacle(byte as u8 as i8) { 0 } else { reach });
     let start = grid.values().iter().map(|&value| table[usize::from(value as u8)]);
@@ -181,8 +180,6 @@ fn advance(row: &mut [i16], neighbour: &[i16]) {
     }
 }
 
-// Second pass: the lower envelope of the parabolas that the columns span over a row.
-
 /// A parabola `(x - at)^2 + height` that is lowest from `from` on.
 #[derive(Debug, Clone, Copy)]
 struct Parabola {
@@ -191,7 +188,7 @@ struct Parabola {
     from: f64,
 }
 
-/// The pass along rows, with the memory that it needs.
+/// Second pass, along rows: the lower envelope of the columns' parabolas, with its buffers.
 #[derive(Debug)]
 struct Envelope {
     reach: i16,
@@ -218,7 +215,7 @@ impl Envelope {
         self.fill(squared);
     }
 
-    /// Adds the next parabola to the right; those that it hides leave.
+    /// Adds the next parabola to the right; those that it hides are removed.
     fn push(&mut self, at: i32, height: i32) {
         let mut from = f64::NEG_INFINITY;
         while let Some(last) = self.lowest.last() {

@@ -1,9 +1,9 @@
-//! A grid with walls that stand up: what a camera sees of it.
+//! A grid with walls that have heights and colours, for simulated cameras.
 //!
-//! A floor plan has no heights. Here every connected piece of occupied cells becomes a body: one
-//! that is long is a wall of the building, full height; a small one is furniture, lower, so that
-//! one looks over it. Walls are shaded by the way that they face, as under a lamp, and bear a faint
-//! pattern of panels; furniture has colours. All of it follows from the map alone.
+//! A floor plan has no heights. Here every connected piece of occupied cells becomes a body: a
+//! long one is a wall of full height, a small one is furniture, which is lower, so that a camera
+//! sees over it. Walls are shaded by the direction they face, and have a faint pattern of panels;
+//! furniture has colours. All of it is a function of the map alone.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -61,7 +61,7 @@ impl ExtrudedGrid {
     fn height_of(&self, index: usize) -> Option<(u32, f64)> {
         let body = self.bodies.at(index)?;
         let extent = self.bodies.extent(body) * self.grid.resolution();
-        // Stools, tables, cupboards: 0.35 m to 1.2 m, by the number that the place hashes to.
+        // Stools, tables, cupboards: 0.35 m to 1.2 m, by a hash of the body's number.
         let low = 0.35 + 0.85 * f64::from(hash(body) % 100) / 100.0;
         let height = if extent > Self::FURNITURE { self.height } else { low.min(self.height) };
         Some((body, height))
@@ -107,9 +107,7 @@ fn occupied(value: i8) -> bool {
     Occupancy::of(value) == Occupancy::Occupied
 }
 
-// Connected pieces of occupied cells.
-
-/// Which body each cell belongs to, and how large the bodies are.
+/// The connected pieces of occupied cells: the body of each cell, and the size of the bodies.
 #[derive(Debug, Clone)]
 struct Bodies {
     /// 0 for no body, else its number, from 1.
@@ -167,13 +165,11 @@ impl Bodies {
     }
 }
 
-// What colour a wall has: so that one sees its shape.
-
-/// How far around a cell one looks for the way that its wall faces \[cells\].
+/// Radius of the neighbourhood from which the direction of a wall is computed \[cells\].
 const AROUND: isize = 4;
 /// Width of the panels of walls \[m\].
 const PANEL: f64 = 1.0;
-/// Where the light comes from, as a direction \[rad\].
+/// Direction of the light \[rad\].
 const LIGHT: f64 = 0.9;
 
 const WALL: [f64; 3] = [236.0, 230.0, 214.0];
@@ -221,7 +217,7 @@ fn facing(grid: &OccupancyGrid, cell: Cell) -> Vector2<f64> {
     in_map.try_normalize(1e-9).unwrap_or_default()
 }
 
-/// Scatters small numbers (Knuth's multiplicative hash).
+/// A hash of small numbers (Knuth's multiplicative hash).
 fn hash(value: u32) -> u32 {
     value.wrapping_mul(2_654_435_769) >> 16
 }

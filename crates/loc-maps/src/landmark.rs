@@ -1,7 +1,7 @@
 //! The landmark map (C6): numbered landmarks at known positions.
 //!
 //! Positions have a height, for cameras that look up and for lateration in space; planar methods
-//! pass it over. The file format is CSV with the columns `id,x,y` and, if wanted, `z`.
+//! ignore it. The file format is CSV with the columns `id,x,y` and, if wanted, `z`.
 //!
 //! ```
 //! use loc_maps::{Landmark, LandmarkMap};
@@ -10,10 +10,8 @@
 //! # Ok::<(), loc_maps::Error>(())
 //! ```
 //!
-//! Landmarks that walls hide.
-//!
-//! A landmark map says where landmarks are, not whether they can be seen. Together with a map that
-//! has walls it does: from a place only those landmarks are there to which the way is free.
+//! A landmark map does not contain the walls that hide landmarks. [`Occluded`] combines it with a
+//! map that has walls: from a position only landmarks with a free line of sight are visible.
 //!
 //! ```
 //! use loc_maps::{Landmark, LandmarkMap, Occluded};
@@ -35,7 +33,7 @@ use std::path::{Path, PathBuf};
 
 const COLUMNS: [&str; 4] = ["id", "x", "y", "z"];
 
-/// A landmark with a number that can be read off it.
+/// A landmark with its number (known data association).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Landmark {
@@ -205,9 +203,10 @@ impl<L: LandmarkWorld + ?Sized, W: RangeWorld + ?Sized> LandmarkWorld for Occlud
         visit: &mut dyn FnMut(u32, Point2<f64>),
     ) {
         self.landmarks.visit_landmarks(center, radius, &mut |id, position| {
-            let way = position - center;
-            let open = way.norm() - self.slack;
-            let hidden = open > 0.0 && self.walls.cast(center, way.y.atan2(way.x), open).is_some();
+            let offset = position - center;
+            let open = offset.norm() - self.slack;
+            let hidden =
+                open > 0.0 && self.walls.cast(center, offset.y.atan2(offset.x), open).is_some();
             if !hidden {
                 visit(id, position);
             }

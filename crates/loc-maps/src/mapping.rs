@@ -1,8 +1,8 @@
 //! Building an occupancy grid from scans whose poses are known (C1).
 //!
-//! Every beam says two things: nothing stands along it, something stands at its end. A
-//! [`GridMapper`] adds this evidence up in each cell as log-odds (Moravec and Elfes, 1985;
-//! Probabilistic Robotics, 9.2) and turns it into a grid when asked.
+//! Every beam is evidence that the cells along it are free and that the cell at its end is
+//! occupied. A [`GridMapper`] sums this evidence in each cell as log-odds (Moravec and Elfes, 1985;
+//! Probabilistic Robotics, 9.2) and converts it to a grid on request.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -29,9 +29,7 @@ use loc_core::error::{finite, non_negative, positive, probability};
 use loc_sensors::laser::LaserScan;
 use nalgebra::{Point2, Vector2};
 
-// What one beam says about the cells it meets.
-
-/// The inverse sensor model: how much a beam changes what is believed of a cell.
+/// The inverse sensor model: how much a beam changes the log-odds of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -40,11 +38,11 @@ pub struct InverseSensorModel {
     pub hit: f64,
     /// Log-odds that a cell along a beam loses; also known as l_free, with its sign turned.
     pub miss: f64,
-    /// Largest log-odds, of either sign, so that a cell can still change its mind.
+    /// Largest log-odds, of either sign, so that a cell can still change.
     pub limit: f64,
     /// Beams are followed no farther than this \[m\].
     pub max_range: f64,
-    /// How far a beam that met nothing clears the way \[m\]; 0 for not at all.
+    /// Length of the free cells along a beam without a return \[m\]; 0 for not at all.
     pub clear_without_return: f64,
     /// Probability from which on a cell is occupied.
     pub occupied: f64,
@@ -73,7 +71,7 @@ impl InverseSensorModel {
 }
 
 impl Default for InverseSensorModel {
-    /// A hit weighs twice as much as a miss; one beam decides where others are silent, and
+    /// A hit weighs twice as much as a miss; one beam decides a cell without other evidence, and
     /// a hit and a miss leave a cell undecided.
     fn default() -> Self {
         InverseSensorModel {
@@ -88,21 +86,19 @@ impl Default for InverseSensorModel {
     }
 }
 
-// The mapper: log-odds in every cell.
-
 /// A grid of log-odds that scans are added to.
 #[derive(Debug, Clone)]
 pub struct GridMapper {
     frame: GridFrame,
     model: InverseSensorModel,
     log_odds: Vec<f32>,
-    /// The scan that touched a cell last, and whether it hit it: a scan counts once in a cell.
+    /// The last scan that updated a cell, and whether by a hit: a scan counts once in a cell.
     touched: Vec<u32>,
     scans: u32,
 }
 
 impl GridMapper {
-    /// A mapper that knows nothing yet.
+    /// A mapper without scans.
     ///
     /// # Errors
     /// Those of [`InverseSensorModel::check`].
@@ -166,7 +162,7 @@ impl GridMapper {
     }
     // ANCHOR_END: add
 
-    /// How far a reading says that the way is clear \[m\].
+    /// The length along a beam that its range shows to be free \[m\].
     fn cleared(&self, scan: &LaserScan, range: f64) -> f64 {
         if scan.is_valid(range) {
             // The cell at the end is left to the hit.
@@ -199,7 +195,7 @@ impl GridMapper {
         self.log_odds[index] = sum.clamp(-self.model.limit, self.model.limit) as f32;
     }
 
-    /// The grid as it is known now: 100 occupied, 0 free, -1 undecided or never seen.
+    /// The current grid: 100 occupied, 0 free, -1 undecided or never seen.
     pub fn grid(&self) -> OccupancyGrid {
         let value = |(&log_odds, &touched): (&f32, &u32)| {
             let probability = 1.0 / (1.0 + (-f64::from(log_odds)).exp());

@@ -1,15 +1,15 @@
 //! The point map (C3): a set of obstacle points.
 //!
-//! Lay the end points of laser scans into one frame and you have a map, without deciding where
-//! walls are. It answers which point is nearest (what scan matching asks), which lie around a
-//! place, and where a ray ends: at the first point that lies within half a beam's width of it.
-//! A search tree of boxes, shared with the line map, keeps these quick. The file format is CSV
+//! The end points of laser scans in one frame make a map without extracted walls. Queries: the
+//! nearest point (for scan matching), the points around a position, and where a ray ends, at the
+//! first point within half a beam's width of it.
+//! A search tree of boxes, shared with the line map, makes these fast. The file format is CSV
 //! with the columns `x,y` \[m\].
 //!
 //! ```
 //! use loc_core::Pose2;
 //! use loc_maps::PointMap;
-//! // The same corner, seen by two scans from two places.
+//! // The same corner, seen by two scans from two positions.
 //! let first = [[2.0, 0.0].into(), [2.0, 0.5].into()];
 //! let second = [[1.0, 0.01].into()];
 //! let scans = [(Pose2::IDENTITY, &first[..]), (Pose2::new(1.0, 0.0, 0.0), &second[..])];
@@ -33,7 +33,7 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Half the width of a beam where nothing else was said \[m\].
+/// Default half width of a beam \[m\].
 const HALF_WIDTH: f64 = 0.05;
 
 /// Obstacle points, in the order in which they were given.
@@ -46,7 +46,7 @@ pub struct PointMap {
     tree: BoxTree<Point2<f64>>,
 }
 
-/// The point of a [`PointMap`] nearest to a place.
+/// The point of a [`PointMap`] nearest to a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NearestPoint {
     /// Index of the point.
@@ -119,7 +119,7 @@ impl PointMap {
         &self.tree
     }
 
-    /// The point nearest to a place \[m\]; `None` in an empty map and for places that are not
+    /// The point nearest to a position \[m\]; `None` in an empty map and for places that are not
     /// finite.
     pub fn nearest(&self, place: &Point2<f64>) -> Option<NearestPoint> {
         self.nearest_within(place, f64::INFINITY)
@@ -133,8 +133,8 @@ impl PointMap {
         Some(NearestPoint { point, distance: squared.sqrt() })
     }
 
-    /// Calls `visit` with the index of every point at most `radius` \[m\] from a place, always in
-    /// the same order.
+    /// Calls `visit` with the index of every point at most `radius` \[m\] from a position, always
+    /// in the same order.
     pub fn visit_within(&self, place: &Point2<f64>, radius: f64, mut visit: impl FnMut(usize)) {
         let squared = if radius >= 0.0 { radius * radius } else { f64::NAN };
         self.tree.visit(
@@ -147,7 +147,7 @@ impl PointMap {
         );
     }
 
-    /// The indices of the points at most `radius` \[m\] from a place, in order.
+    /// The indices of the points at most `radius` \[m\] from a position, in order.
     pub fn within(&self, place: &Point2<f64>, radius: f64) -> Vec<usize> {
         let mut found = Vec::new();
         self.visit_within(place, radius, |index| found.push(index));
@@ -275,8 +275,6 @@ impl From<PointMap> for Stored {
     }
 }
 
-// Point maps assembled from laser scans with known poses.
-
 /// Squares along one axis, at most on each side: what a float counts without gaps.
 const SQUARES: f64 = 9e15;
 
@@ -301,7 +299,8 @@ impl PointMapBuilder {
         Ok(PointMapBuilder { square, index: HashMap::new(), sums: Vec::new() })
     }
 
-    /// Adds the points of one scan, in the sensor's frame \[m\], taken at the pose `map_from_sensor`.
+    /// Adds the points of one scan, in the sensor's frame \[m\], taken at the pose
+    /// `map_from_sensor`.
     ///
     /// Points that are not finite are beams that hit nothing, and are passed over.
     ///
@@ -346,7 +345,5 @@ impl PointMapBuilder {
         Ok(())
     }
 }
-
-// Point maps as text.
 
 const COLUMNS: [&str; 2] = ["x", "y"];

@@ -1,10 +1,10 @@
 //! A compass (B5): a magnetometer that finds north.
 //!
-//! It measures the magnetic field in the plane and takes its direction for magnetic north. That is
-//! not true north: the [`Compass`] knows the difference, the declination, for its place, or a wrong
-//! one. Steel doors and motors bend the field about them ([`Disturbance`]), iron on the robot
-//! turns with it ([`CompassNoise::hard_iron`]). [`CompassReading`] gives the heading and how strong
-//! the field was, which tells a bent field from a clean one.
+//! It measures the magnetic field in the plane; its direction is magnetic north. The angle to true
+//! north is the declination, for which the [`Compass`] assumes a value that may be wrong. Steel
+//! doors and motors disturb the field around them ([`Disturbance`]), iron on the robot turns with
+//! it ([`CompassNoise::hard_iron`]). [`CompassReading`] gives the heading and the strength of the
+//! field, from which a disturbance can be detected.
 //!
 //! ```
 //! use loc_core::{Pose2, random::stream};
@@ -21,8 +21,6 @@ use nalgebra::{Point2, Vector2};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::FRAC_PI_2;
-
-// The measurement: one heading.
 
 /// One heading as the compass reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,8 +43,6 @@ impl CompassReading {
         Ok(())
     }
 }
-
-// What leads a compass astray.
 
 /// Errors of the device itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,7 +79,7 @@ impl CompassNoise {
     }
 }
 
-/// Something magnetic in the world: its field is added to the Earth's, strongest in the middle,
+/// A magnetic object in the world: its field is added to the Earth's, strongest in the middle,
 /// `field exp(-distance^2 / 2 radius^2)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -120,9 +116,7 @@ impl Disturbance {
     }
 }
 
-// The simulated compass.
-
-/// A compass on a robot, and the field it stands in.
+/// A compass on a robot, and the magnetic field around it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -137,7 +131,7 @@ pub struct Compass {
     pub horizontal_field: f64,
     /// Errors of the device.
     pub noise: CompassNoise,
-    /// What else is magnetic in the world.
+    /// Magnetic objects in the world.
     pub disturbances: Vec<Disturbance>,
 }
 
@@ -156,18 +150,18 @@ impl Compass {
         self.disturbances.iter().try_for_each(Disturbance::check)
     }
 
-    /// The heading that a robot at `pose` reads.
+    /// The measurement of a robot at `pose`.
     pub fn measure<R: Rng + ?Sized>(&self, pose: Pose2, rng: &mut R) -> CompassReading {
         let (sin, cos) = (self.north - self.declination).sin_cos();
         let earth = Vector2::new(cos, sin) * self.horizontal_field;
         let place = pose.position();
-        let in_map = self.disturbances.iter().fold(earth, |sum, bent| sum + bent.at(&place));
+        let in_map = self.disturbances.iter().fold(earth, |sum, source| sum + source.at(&place));
         let noise = Vector2::from_fn(|_, _| StandardNormal.sample(rng)) * self.noise.sigma;
         let iron = Vector2::from(self.noise.hard_iron);
         let field = pose.rotation().transpose() * in_map + iron + noise;
-        let believed_north = self.north - self.assumed_declination;
+        let assumed_north = self.north - self.assumed_declination;
         CompassReading {
-            heading: angle::wrap(believed_north - field.y.atan2(field.x)),
+            heading: angle::wrap(assumed_north - field.y.atan2(field.x)),
             strength: field.norm(),
         }
     }

@@ -1,9 +1,9 @@
 //! Rotary encoders (B1, B2): how far a shaft has turned, in counts.
 //!
-//! On a wheel the counts since last time give the way it rolled: [`WheelEncoder`] keeps the part of
-//! a count that is not full yet, so that nothing is lost over time. On the steering of a car the
-//! count is the steering angle: [`SteeringEncoder`] has play, a zero that is not quite zero, and
-//! noise. Both round to whole counts, [`WheelTicks`] and [`SteeringCount`].
+//! On a wheel the counts since the last readout give the distance rolled: [`WheelEncoder`] keeps
+//! the fraction of a count, so that rounding errors do not add up. On the steering of a car the
+//! count is the steering angle: [`SteeringEncoder`] has backlash, a zero offset and noise. Both
+//! round to whole counts, [`WheelTicks`] and [`SteeringCount`].
 //!
 //! ```
 //! use loc_sensors::encoder::{WheelEncoder, WheelTicks};
@@ -21,9 +21,7 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{PI, TAU};
 
-// Counts of a wheel.
-
-/// Counts since the last reading, negative backwards.
+/// Counts since the last readout, negative backwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelTicks(pub i64);
@@ -33,11 +31,11 @@ pub struct WheelTicks(pub i64);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelEncoder {
     meters_per_tick: f64,
-    /// Way that has rolled since the last full count, in counts, in \[0, 1).
+    /// Distance rolled since the last full count, in counts, in \[0, 1).
     rest: f64,
 }
 
-/// Counts of one reading that a float still tells apart.
+/// Largest count of one readout that an `f64` represents exactly.
 const MAX_TICKS: f64 = 9e15;
 
 impl WheelEncoder {
@@ -51,17 +49,17 @@ impl WheelEncoder {
         let ticks = f64::from(ticks_per_turn);
         in_range("counts of a wheel's turn", "at least 1", ticks, |count| count >= 1.0)?;
         let meters_per_tick = TAU * radius / ticks;
-        positive("way of one count [m]", meters_per_tick)?;
+        positive("distance of one count [m]", meters_per_tick)?;
         Ok(WheelEncoder { meters_per_tick, rest: 0.0 })
     }
 
-    /// Way of one count \[m\]. An error of the way in one step is at most this.
+    /// Distance of one count \[m\]; the error of the distance in one step is at most this.
     pub fn resolution(&self) -> f64 {
         self.meters_per_tick
     }
 
-    /// The counts while the rim rolls `distance` \[m\]; the part of a count that is left over
-    /// counts next time. A way that is no number, or none a wheel can roll, gives no counts.
+    /// The counts while the rim rolls `distance` \[m\]; the fraction of a count that
+    /// remains is added to the next step. A distance that is NaN, or too large, gives no counts.
     pub fn roll(&mut self, distance: f64) -> WheelTicks {
         let turned = self.rest + distance / self.meters_per_tick;
         if turned.is_nan() || turned.abs() >= MAX_TICKS {
@@ -71,20 +69,18 @@ impl WheelEncoder {
         WheelTicks(turned.floor() as i64)
     }
 
-    /// The way of a number of counts \[m\].
+    /// The distance of a number of counts \[m\].
     pub fn distance(&self, ticks: WheelTicks) -> f64 {
         ticks.0 as f64 * self.meters_per_tick
     }
 }
-
-// Counts of a steering column.
 
 /// Count of an absolute encoder, 0 straight ahead, positive to the left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SteeringCount(pub i32);
 
-/// What stands between the wheels' angle and the count.
+/// Errors between the angle of the wheels and the count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -129,8 +125,8 @@ impl SteeringEncoder {
     /// # Errors
     /// [`crate::Error::OutOfRange`] for fewer than 4 counts, or more than 2^30.
     pub fn new(counts_per_turn: u32) -> Result<Self> {
-        let most = f64::from(1_u32 << 30);
-        let sound = |count: f64| (4.0..=most).contains(&count);
+        let max = f64::from(1_u32 << 30);
+        let sound = |count: f64| (4.0..=max).contains(&count);
         in_range("counts of a turn", "4 to 2^30", f64::from(counts_per_turn), sound)?;
         Ok(SteeringEncoder { counts_per_turn, noise: SteeringNoise::NONE, encoder: 0.0 })
     }

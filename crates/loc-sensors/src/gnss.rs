@@ -1,10 +1,10 @@
-//! Satellite positioning (B10), GPS and its kin: the place on the Earth, outdoors.
+//! Satellite positioning (B10), such as GPS: the position on the Earth, outdoors.
 //!
 //! A receiver gives latitude, longitude and height, [`Geodetic`], on the ellipsoid WGS84. A robot
 //! counts metres in a plane: [`LocalFrame`] converts both ways, exactly, between the ellipsoid and
 //! the frame east-north-up (ENU) that touches it at an origin. [`GnssFix`] is one measurement,
-//! [`GnssNoise`] says how far it may be off, and [`Gnss`] simulates the receiver, with errors that
-//! last for a while, as those of satellites do, and with outages.
+//! [`GnssNoise`] is its error model, and [`Gnss`] simulates the receiver, with
+//! errors correlated in time, as those of satellites are, and with outages.
 //!
 //! ```
 //! use loc_core::{Pose2, random::stream};
@@ -28,13 +28,11 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-// The measurement: one position.
-
 /// One position as the receiver reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GnssFix {
-    /// Where the receiver believes to be.
+    /// The measured position.
     pub position: Geodetic,
     /// Covariance of east, north and up that it claims \[m^2\].
     pub covariance: Matrix3<f64>,
@@ -49,8 +47,6 @@ impl GnssFix {
     }
 }
 
-// How far a position may be off, and when there is none.
-
 /// Errors of a position: a part that is new with every fix, and one that drifts (satellites,
 /// ionosphere), a first-order Gauss-Markov process.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +57,7 @@ pub struct GnssNoise {
     pub white_sigma: f64,
     /// Standard deviation of the drifting part, east and north \[m\].
     pub drift_sigma: f64,
-    /// Time in which the drift forgets all but 1/e of itself \[s\].
+    /// Time constant of the drift: its autocorrelation falls to 1/e \[s\].
     pub drift_time: f64,
     /// Factor of the vertical errors.
     pub vertical_factor: f64,
@@ -134,8 +130,6 @@ impl Outages {
     }
 }
 
-// The simulated receiver.
-
 /// A receiver on a robot whose map frame is a local frame: x east, y north.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gnss {
@@ -192,7 +186,7 @@ impl Gnss {
         Ok(self)
     }
 
-    /// The true drift of the last fix, east, north and up \[m\]; `None` before the first one.
+    /// The true drift at the last fix, east, north and up \[m\]; `None` before the first one.
     pub fn drift(&self) -> Option<Vector3<f64>> {
         let scale = Vector3::new(1.0, 1.0, self.noise.vertical_factor);
         self.drift.map(|drift| drift.component_mul(&scale))
@@ -220,7 +214,7 @@ impl Gnss {
         (!self.out).then_some(fix)
     }
 
-    /// Moves the drift on; the first one is drawn from where the process settles.
+    /// Advances the drift by one step; the first one is drawn from the stationary distribution.
     fn next_drift<R: Rng + ?Sized>(&mut self, dt: f64, rng: &mut R) -> Vector3<f64> {
         let kept = self.drift.map_or(0.0, |_| (-dt / self.noise.drift_time).exp());
         let fresh = self.noise.drift_sigma * (1.0 - kept * kept).max(0.0).sqrt();
@@ -233,8 +227,6 @@ impl Gnss {
 fn normal3<R: Rng + ?Sized>(rng: &mut R) -> Vector3<f64> {
     Vector3::from_fn(|_, _| StandardNormal.sample(rng))
 }
-
-// WGS84 and local frames.
 
 /// Semi-major axis of WGS84 \[m\].
 const A: f64 = 6_378_137.0;

@@ -1,10 +1,11 @@
 //! An inertial measurement unit (B3, B4): accelerometers and gyroscopes.
 //!
-//! A gyroscope measures how fast the robot turns, an accelerometer what force it feels: its
-//! acceleration, in a curve the centripetal one too, and gravity upwards. Both err in two ways: by
-//! noise that is new with every sample, and by a bias that wanders. [`InertialNoise`] gives both in
-//! the units of data sheets, per root of bandwidth; summed over time the noise makes angle and
-//! speed walk away as well. [`ImuReading`] is one sample, [`Imu`] simulates the device.
+//! A gyroscope measures how fast the robot turns, an accelerometer the specific force: its
+//! acceleration, in a curve the centripetal one too, and gravity upwards. Both have two errors:
+//! white noise, independent in every sample, and a bias that follows a random walk.
+//! [`InertialNoise`] gives both in the units of data sheets, per root of bandwidth; integrated over
+//! time, the noise makes angle and speed random walks as well. [`ImuReading`] is one sample,
+//! [`Imu`] simulates the device.
 //!
 //! ```
 //! use loc_core::{Twist2, random::stream};
@@ -28,8 +29,6 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Acceleration of gravity by convention \[m/s^2\].
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
-
-// The measurement: one sample.
 
 /// One sample in the device's frame: x forward, y left, z up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,8 +56,6 @@ impl ImuReading {
     }
 }
 
-// How far a sample may be off.
-
 /// Errors of one axis; the unit U is m/s^2 or rad/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -70,7 +67,7 @@ pub struct InertialNoise {
     pub bias_walk: f64,
     /// Standard deviation of the bias when the device starts \[U\].
     pub start_bias: f64,
-    /// The device measures up to this, either way \[U\].
+    /// Largest magnitude that the device measures \[U\].
     pub limit: f64,
 }
 
@@ -84,7 +81,7 @@ impl InertialNoise {
         self.density / dt.sqrt()
     }
 
-    /// Standard deviation of what the bias wanders in `dt` \[s\].
+    /// Standard deviation of the change of the bias in `dt` \[s\].
     pub fn bias_step_sigma(&self, dt: f64) -> f64 {
         self.bias_walk * dt.sqrt()
     }
@@ -102,8 +99,6 @@ impl InertialNoise {
         Ok(())
     }
 }
-
-// What data sheets say of inertial measurement units.
 
 /// Rate and errors of an inertial measurement unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -181,8 +176,6 @@ impl Default for ImuSpec {
     }
 }
 
-// The simulated unit.
-
 /// An inertial measurement unit on a robot that drives on a level floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Imu {
@@ -202,8 +195,8 @@ impl Imu {
         Ok(Imu { spec, mounting: Pose2::IDENTITY, biases: None })
     }
 
-    /// Sets the unit's place on the robot, `base_from_imu`. Away from the middle it feels the
-    /// robot's turns.
+    /// Sets the unit's place on the robot, `base_from_imu`. Off the centre it also
+    /// measures accelerations by the robot's turns.
     ///
     /// # Errors
     /// [`crate::Error::OutOfRange`] for a pose that is not finite.

@@ -35,8 +35,6 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use std::f64::consts::TAU;
 
-// The measurement: one echo.
-
 /// One echo as the radar reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -61,8 +59,6 @@ impl RadarReturn {
         Ok(())
     }
 }
-
-// How far an echo may be off, and which are missing or false.
 
 /// Independent normal errors of the three numbers, misses and false echoes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,8 +104,6 @@ impl RadarNoise {
     }
 }
 
-// What a data sheet says of a radar.
-
 /// View, reach and errors of a radar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -121,7 +115,7 @@ pub struct RadarSpec {
     pub range_min: f64,
     /// Farthest distance \[m\].
     pub range_max: f64,
-    /// Largest radial speed, either way \[m/s\].
+    /// Largest radial speed, in both directions \[m/s\].
     pub speed_max: f64,
     /// Measurements per second \[Hz\].
     pub rate: f64,
@@ -170,8 +164,6 @@ impl Default for RadarSpec {
         RadarSpec::ars408_near()
     }
 }
-
-// The simulated radar.
 
 /// A radar on a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -231,7 +223,8 @@ impl Radar {
         echoes
     }
 
-    /// Velocity of the radar in the map frame \[m/s\]: away from the middle it swings in turns.
+    /// Velocity of the radar in the map frame \[m/s\]: mounted off the centre it also moves in
+    /// turns.
     fn velocity(&self, pose: Pose2, twist: Twist2) -> Vector2<f64> {
         let arm = self.mounting;
         let in_base = Vector2::new(twist.vx - twist.omega * arm.y, twist.vy + twist.omega * arm.x);
@@ -246,12 +239,12 @@ impl Radar {
         velocity: Vector2<f64>,
         object: &MovingObject,
     ) -> Option<RadarReturn> {
-        let way = object.position - radar.position();
-        let distance = way.norm();
-        let direction = way.y.atan2(way.x);
+        let offset = object.position - radar.position();
+        let distance = offset.norm();
+        let direction = offset.y.atan2(offset.x);
         let range = distance - object.radius;
         let bearing = angle::wrap(direction - radar.theta);
-        let radial_speed = (object.velocity - velocity).dot(&way) / distance;
+        let radial_speed = (object.velocity - velocity).dot(&offset) / distance;
         let in_reach = (self.spec.range_min..=self.spec.range_max).contains(&range);
         let in_view = bearing.abs() <= 0.5 * self.spec.fov;
         let measurable = radial_speed.abs() <= self.spec.speed_max;

@@ -1,10 +1,10 @@
-//! An ultrasonic ranger (B11): a sound goes out in a cone, the time until an echo returns gives
-//! one distance.
+//! An ultrasonic ranger (B11): it emits a sound in a cone; the time until an echo returns gives one
+//! distance.
 //!
-//! Where in the cone the echo came from the sensor cannot tell. A wall that is met at a slant
-//! throws the sound elsewhere and gives no echo at all; glass, which a laser looks through, gives
-//! a good one. [`SonarRange`] is the measurement, [`SonarSpec`] the data sheet with its
-//! [`SonarNoise`], [`Sonar`] simulates it.
+//! The direction of the echo within the cone is unknown. A wall at a large angle of incidence
+//! reflects the sound elsewhere and gives no echo; glass, which a laser passes, gives a good one.
+//! [`SonarRange`] is the measurement, [`SonarSpec`] the data sheet with its [`SonarNoise`],
+//! [`Sonar`] simulates it.
 //!
 //! ```
 //! use loc_core::{Pose2, random::stream};
@@ -26,8 +26,6 @@ use nalgebra::{Point2, Vector2};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{FRAC_PI_2, TAU};
-
-// The measurement: one echo.
 
 /// One distance, with the meaning of the ROS message `Range`: -inf too close, +inf no echo, NaN
 /// an error (REP-117).
@@ -62,8 +60,6 @@ impl SonarRange {
     }
 }
 
-// How far an echo may be off.
-
 /// Normal errors of the distance, and echoes that are missed or of another sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -75,7 +71,7 @@ pub struct SonarNoise {
     pub sigma_per_m: f64,
     /// Probability that an echo is missed: +inf.
     pub dropout: f64,
-    /// Probability that the sound of another sensor is heard: any shorter distance.
+    /// Probability of receiving the sound of another sensor: any shorter distance.
     pub crosstalk: f64,
 }
 
@@ -104,8 +100,6 @@ impl SonarNoise {
         Ok(())
     }
 }
-
-// What data sheets say of ultrasonic rangers.
 
 /// Cone, reach and errors of an ultrasonic ranger.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -185,8 +179,6 @@ impl Default for SonarSpec {
     }
 }
 
-// The simulated ranger.
-
 /// An ultrasonic ranger on a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -218,7 +210,7 @@ impl Sonar {
         self.spec.check()
     }
 
-    /// The echo that a robot at `pose` hears.
+    /// The measurement of a robot at `pose`.
     ///
     /// Draws one fault and one error, whether they matter or not.
     pub fn measure<R: Rng + ?Sized>(
@@ -233,7 +225,7 @@ impl Sonar {
         let echo = self.echo(world, pose * self.mounting);
         let distance = match fault - spec.noise.dropout {
             missed if missed < 0.0 => f64::INFINITY,
-            heard if heard < spec.noise.crosstalk => rng.random::<f64>() * echo.min(spec.range_max),
+            fault if fault < spec.noise.crosstalk => rng.random::<f64>() * echo.min(spec.range_max),
             _ => echo,
         };
         let range = match distance {

@@ -1,10 +1,10 @@
 //! Wheel odometry (B1): the velocity that the wheels report.
 //!
-//! Each wheel counts its turns; radius and track, as the robot believes them, make a velocity of
-//! that. [`WheelOdometry`] simulates the chain: the true motion turns the true wheels, the
-//! systematic causes of E7 ([`WheelFaults`]) come between wheel and ground, random errors follow
-//! the lectures' error model. [`OdometryCalibration`] goes the other way and takes the systematic
-//! part out of a recorded velocity.
+//! Each wheel counts its turns; the assumed radius and track convert the counts to a velocity.
+//! [`WheelOdometry`] simulates the chain: the true motion turns the true wheels, the systematic
+//! causes of E7 ([`WheelFaults`]) act between wheel and ground, random errors follow the error
+//! model of E7. [`OdometryCalibration`] is the inverse: it removes the systematic part from a
+//! recorded velocity.
 //!
 //! ```
 //! use loc_core::{Twist2, random::stream};
@@ -25,9 +25,7 @@ use loc_core::motion::VelocityNoise;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
-// The simulated wheel odometry of a differential drive.
-
-/// Simulates what the wheels report of a motion.
+/// Simulated wheel odometry of a differential drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelOdometry {
     drive: Differential,
@@ -45,7 +43,7 @@ impl WheelOdometry {
         Ok(WheelOdometry { drive, noise: VelocityNoise::NONE, faults: WheelFaults::NONE })
     }
 
-    /// Adds random errors after the lectures' error model (E7).
+    /// Adds random errors after the error model of E7.
     #[must_use]
     pub fn with_noise(mut self, noise: VelocityNoise) -> Self {
         self.noise = noise;
@@ -72,7 +70,7 @@ impl WheelOdometry {
         Twist2::forward(seen.vx + sigma.x * draw(), seen.omega + sigma.z * draw())
     }
 
-    /// True velocity -> true rims -> what each wheel turns -> the velocity the robot believes.
+    /// True velocity -> true rims -> what each wheel turns -> the reported velocity.
     fn through_the_wheels<R: Rng + ?Sized>(&self, twist: Twist2, dt: f64, rng: &mut R) -> Twist2 {
         let half_track = 0.5 * self.drive.track() * self.faults.track;
         let left = twist.vx - twist.omega * half_track;
@@ -98,9 +96,7 @@ impl WheelOdometry {
     }
 }
 
-// Taking the systematic errors out of recorded odometry.
-
-/// How a recorded velocity becomes the one that the robot really drove.
+/// Correction of the systematic errors of a recorded velocity.
 ///
 /// ```text
 /// v'     = speed_scale v (1 - turn_slowdown |omega|)
@@ -112,7 +108,8 @@ impl WheelOdometry {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct OdometryCalibration {
-    /// Time until the robot does what was recorded \[s\]: positive where commands were recorded.
+    /// Time until the robot executes what was recorded \[s\]: positive where commands were
+    /// recorded.
     pub delay: f64,
     /// Factor of the forward speed.
     pub speed_scale: f64,
@@ -125,7 +122,7 @@ pub struct OdometryCalibration {
 }
 
 impl OdometryCalibration {
-    /// The velocity is right as it is.
+    /// No correction.
     pub const NONE: OdometryCalibration = OdometryCalibration {
         delay: 0.0,
         speed_scale: 1.0,
@@ -148,7 +145,7 @@ impl OdometryCalibration {
         Ok(())
     }
 
-    /// The velocity driven, of a recorded one. The slowdown stops the robot at most.
+    /// The velocity driven, from a recorded one. The slowdown never reverses the robot.
     pub fn correct(&self, recorded: Twist2) -> Twist2 {
         let kept = (1.0 - self.turn_slowdown * recorded.omega.abs()).max(0.0);
         Twist2 {
@@ -165,10 +162,8 @@ impl Default for OdometryCalibration {
     }
 }
 
-// The systematic causes of wrong odometry (E7).
-
-/// What stands between the wheels' turns and the way driven. [`WheelFaults::NONE`] is a perfect
-/// drive.
+/// The systematic causes of odometry errors (E7), between the turns of the wheels and the distance
+/// driven. [`WheelFaults::NONE`] is a perfect drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -183,12 +178,12 @@ pub struct WheelFaults {
     /// Share of both wheels' radii that sinks into soft ground.
     pub sinkage: f64,
     /// Share of a wheel's turning that is lost to slip while it accelerates ahead of the ground:
-    /// the wheel reports `1/(1 - slip)` of the way.
+    /// the wheel reports `1/(1 - slip)` of the distance.
     pub slip: f64,
     /// Probability per second that a wheel slips during a step.
     #[cfg_attr(feature = "serde", serde(rename = "slip_rate_per_s"))]
     pub slip_rate: f64,
-    /// Extra way that a wheel rolls over a bump \[m\].
+    /// Extra distance that a wheel rolls over a bump \[m\].
     #[cfg_attr(feature = "serde", serde(rename = "bump_m"))]
     pub bump: f64,
     /// Bumps per metre driven and wheel \[1/m\].

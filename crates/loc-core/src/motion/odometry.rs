@@ -1,10 +1,9 @@
-//! The odometry motion model: a step as turn, drive, turn (Probabilistic Robotics, 5.4).
+//! Motion from the poses that odometry reports: the odometry motion model (rotation, translation,
+//! rotation; Probabilistic Robotics, 5.4), and the path driven with its noise (E6, E7).
 //!
-//! What a robot has driven, and how far its odometry may be off by then.
-//!
-//! Errors of odometry grow with the way driven and the turning done, not with the square of their
-//! sum: variances add up along the way, so that it makes no difference into how many steps a
-//! drive is cut (E7). [`PathNoise`] carries a belief along a [`DrivenPath`] to first order (E6).
+//! Variances of odometry grow with the distance driven and the angle turned, not with their
+//! squares: they add up along the path, so the number of steps that a path is cut into makes no
+//! difference (E7). [`PathNoise`] propagates a belief along a [`DrivenPath`] to first order (E6).
 //!
 //! ```
 //! use loc_core::motion::{DrivenPath, PathNoise};
@@ -52,8 +51,9 @@ pub struct OdometryNoise {
 }
 
 impl OdometryMotion {
-    /// Below this distance \[m\] the direction of travel is only noise: the whole turn is `rot2`.
-    pub const SHORTEST_DRIVE: f64 = 1e-6;
+    /// Below this distance \[m\] the direction of travel is only noise, and the whole rotation is
+    /// `rot2`.
+    pub const MIN_TRANSLATION: f64 = 1e-6;
 
     /// The step that leads from one odometry pose to the next.
     ///
@@ -62,7 +62,7 @@ impl OdometryMotion {
     pub fn between(from: Pose2, to: Pose2) -> Self {
         let step = from.between(to);
         let distance = f64::hypot(step.x, step.y);
-        if distance < Self::SHORTEST_DRIVE {
+        if distance < Self::MIN_TRANSLATION {
             // The part along the heading, with its sign: the jitter of a robot that stands still
             // must not add up to a drive forward.
             return OdometryMotion { rot1: 0.0, trans: step.x, rot2: step.theta };
@@ -125,7 +125,7 @@ impl OdometryMotion {
     }
 }
 
-/// A way through the odometry's frame.
+/// A path in the odometry's frame: its first and last pose, its length and its turning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DrivenPath {
@@ -135,14 +135,14 @@ pub struct DrivenPath {
     turned: f64,
 }
 
-/// How far odometry may be off after a way; variances in proportion to length and turning.
+/// Noise of odometry over a path; variances in proportion to length and turning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct PathNoise {
-    /// Standard deviation along the way after 1 m \[m\]; `sqrt(k_d)` of E7.
+    /// Standard deviation along the path after 1 m \[m\]; `sqrt(k_d)` of E7.
     pub along: f64,
-    /// Standard deviation across the way after 1 m \[m\].
+    /// Standard deviation across the path after 1 m \[m\].
     pub across: f64,
     /// Standard deviation of the heading after 1 m \[rad\]; `sqrt(k_drift)` of E7.
     pub drift: f64,
@@ -151,10 +151,10 @@ pub struct PathNoise {
     /// Standard deviation of the position after turning by 1 rad \[m\]: the point that odometry
     /// tracks is not quite the one it turns about.
     pub pivot: f64,
-    /// Standard deviation of the position that every update has, however short its way \[m\]: it
-    /// keeps particles apart, and a filter from being sure of what it cannot know.
+    /// Lower bound of the standard deviation of the position of every update, however short its
+    /// path \[m\]: it keeps particles apart and filters from becoming overconfident.
     pub min_position: f64,
-    /// The same for the heading \[rad\].
+    /// Lower bound of the standard deviation of the heading of every update \[rad\].
     pub min_heading: f64,
     /// Probability that odometry fails in a step: slip, a push, a wrong count.
     pub fault_probability: f64,
@@ -181,19 +181,19 @@ impl PathNoise {
     /// # Errors
     /// [`crate::Error::OutOfRange`] naming the first that is not allowed.
     pub fn validate(&self) -> Result<()> {
-        non_negative("noise along the way [m]", self.along)?;
-        non_negative("noise across the way [m]", self.across)?;
+        non_negative("noise along the path [m]", self.along)?;
+        non_negative("noise across the path [m]", self.across)?;
         non_negative("drift of the heading [rad]", self.drift)?;
         non_negative("noise of turning [rad]", self.turn)?;
         non_negative("noise of the pivot [m]", self.pivot)?;
-        non_negative("least noise of the position [m]", self.min_position)?;
-        non_negative("least noise of the heading [rad]", self.min_heading)?;
+        non_negative("lower bound of the noise of the position [m]", self.min_position)?;
+        non_negative("lower bound of the noise of the heading [rad]", self.min_heading)?;
         probability("probability of an odometry fault", self.fault_probability)?;
         Ok(())
     }
 
-    /// Variances that a way adds along it \[m^2\], across it \[m^2\] and to the heading \[rad^2\],
-    /// faults of the odometry and the least noise left aside.
+    /// Variances that a path adds along it \[m^2\], across it \[m^2\] and to the heading \[rad^2\],
+    /// without faults of the odometry and without the lower bounds.
     pub fn variances(&self, path: &DrivenPath) -> Vector3<f64> {
         let pivot = self.pivot.powi(2) * path.turned;
         Vector3::new(
@@ -203,16 +203,16 @@ impl PathNoise {
         )
     }
 
-    /// Standard deviations along a way \[m\], across it \[m\] and of the heading \[rad\] where
-    /// odometry has failed on it: it is then off by about what it reports.
+    /// Standard deviations along a path \[m\], across it \[m\] and of the heading \[rad\] where
+    /// odometry has failed: its error is then about as large as the motion that it reports.
     pub fn fault_sigmas(path: &DrivenPath) -> Vector3<f64> {
-        let (way, turned) = (path.length, path.turned);
-        Vector3::new(way, 0.3 * way, 0.3 * turned + 0.1 * way)
+        let (length, turned) = (path.length, path.turned);
+        Vector3::new(length, 0.3 * length, 0.3 * turned + 0.1 * length)
     }
 
-    /// A step along a way from `pose`, with `variances` along it, across it and of the heading.
+    /// A step along a path from `pose`, with `variances` along it, across it and of the heading.
     ///
-    /// On the average over the way the heading is off by half of what it is off at the end.
+    /// Averaged over the path, the error of the heading is half of its error at the end.
     pub fn step(path: &DrivenPath, pose: Pose2, variances: &Vector3<f64>) -> LinearizedStep {
         let after = pose * path.step();
         let (dx, dy) = (after.x - pose.x, after.y - pose.y);
@@ -223,8 +223,8 @@ impl PathNoise {
         LinearizedStep { pose: after, by_pose, noise }
     }
 
-    /// A belief carried along a way to first order (E6), faults of the odometry and the least
-    /// noise left aside.
+    /// A belief propagated along a path to first order (E6), without faults of the odometry and
+    /// without the lower bounds.
     pub fn belief_after(&self, path: &DrivenPath, belief: &Gaussian<3>) -> Gaussian<3> {
         let LinearizedStep { pose, by_pose, noise } =
             PathNoise::step(path, belief.pose(), &self.variances(path));
@@ -234,12 +234,12 @@ impl PathNoise {
 }
 
 impl DrivenPath {
-    /// A way that has not begun, at a pose of the odometry's frame.
+    /// An empty path, at a pose of the odometry's frame.
     pub fn starting_at(pose: Pose2) -> Self {
         DrivenPath { from: pose, to: pose, length: 0.0, turned: 0.0 }
     }
 
-    /// Drives on to the next pose that odometry reports.
+    /// Extends the path to the next pose that odometry reports.
     pub fn extend(&mut self, to: Pose2) {
         let step = self.to.between(to);
         self.length += f64::hypot(step.x, step.y);
@@ -247,12 +247,12 @@ impl DrivenPath {
         self.to = to;
     }
 
-    /// Where it began, in the odometry's frame.
+    /// The pose at the start, in the odometry's frame.
     pub fn start(&self) -> Pose2 {
         self.from
     }
 
-    /// Where it ends, in the odometry's frame.
+    /// The pose at the end, in the odometry's frame.
     pub fn end(&self) -> Pose2 {
         self.to
     }
@@ -262,12 +262,12 @@ impl DrivenPath {
         self.from.between(self.to)
     }
 
-    /// The length of the way, not of the straight line \[m\].
+    /// The length of the path, not of the straight line \[m\].
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// All turning on the way, whichever way round \[rad\].
+    /// The sum of all turning, in both directions \[rad\].
     pub fn turned(&self) -> f64 {
         self.turned
     }

@@ -1,4 +1,5 @@
-//! Velocities in the plane.
+//! Motion at constant velocity: a velocity, its integration over one time step (E2), its noise (E7)
+//! and dead reckoning with its growing covariance (E6).
 
 use crate::error::non_negative;
 use crate::{Gaussian, Pose2, Result};
@@ -51,15 +52,12 @@ impl Twist2 {
     }
 }
 
-// The chord of one motion step: where, relative to the heading at its start, the step leads.
-//
-// A robot that drives one metre while it turns by phi ends at a chord whose components along and
-// across its first heading depend on phi alone. The three integration rules of E2 differ in
-// nothing else.
-
-/// Components of the chord of a step of unit arc length.
+/// The chord of one motion step of unit arc length: its end relative to the heading at its start.
 ///
-/// As a complex number `along + i across` it multiplies the distance driven.
+/// A robot that drives one metre while it turns by phi ends at a chord whose components along and
+/// across its first heading depend on phi alone. The three integration rules of E2 differ only in
+/// these components. As a complex number `along + i across` the chord multiplies the distance
+/// driven.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chord {
     /// Along the heading at the start.
@@ -68,7 +66,7 @@ pub struct Chord {
     pub across: f64,
 }
 
-/// Below this turn \[rad\] the closed forms lose digits to cancellation and series take over.
+/// Below this turn \[rad\] the closed forms lose digits to cancellation, so series are used.
 const SMALL_TURN: f64 = 1e-2;
 
 impl Chord {
@@ -118,8 +116,6 @@ impl Chord {
     }
 }
 
-// One time step of motion at constant velocity (E2), with its Jacobians (E6).
-
 /// The rule that turns a velocity into the pose one time step later.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -145,7 +141,7 @@ pub struct StepJacobians {
 }
 
 impl Integration {
-    /// All rules, roughest first.
+    /// All rules, the least accurate first.
     pub const ALL: [Integration; 3] =
         [Integration::Euler, Integration::Midpoint, Integration::ExactArc];
 
@@ -212,9 +208,7 @@ fn rotate(theta: f64, (x, y): (f64, f64)) -> (f64, f64) {
     (cos * x - sin * y, sin * x + cos * y)
 }
 
-// How far the velocity that odometry reports may be off (E7).
-
-/// The error model of the lectures: variances that grow with the way driven and turned.
+/// The error model of odometry (E7): variances in proportion to distance driven and angle turned.
 ///
 /// The errors of distance and heading grow like a random walk, so that their variance after a
 /// drive does not depend on how finely it is cut into steps.
@@ -234,7 +228,7 @@ impl VelocityNoise {
     /// Perfect odometry.
     pub const NONE: VelocityNoise = VelocityNoise { k_d: 0.0, k_theta: 0.0, k_drift: 0.0 };
 
-    /// The model from the standard deviations that the lectures speak of: `distance` \[m\] after
+    /// The model from standard deviations, as the lectures give them: `distance` \[m\] after
     /// 1 m, `turn` \[rad\] after a full turn, `drift` \[rad\] after 1 m.
     ///
     /// # Errors
@@ -296,10 +290,8 @@ impl Default for VelocityNoise {
     }
 }
 
-// Dead reckoning with its growing uncertainty (E6).
-
-/// One step of dead reckoning: the mean moves by the integration rule, the covariance follows as
-/// `S' = F_x S F_x^T + F_u S_u F_u^T`.
+/// One step of dead reckoning (E6): the mean moves by the integration rule, the covariance follows
+/// as `S' = F_x S F_x^T + F_u S_u F_u^T`.
 ///
 /// `belief` is over (x, y, theta) \[m, m, rad\], `dt` in \[s\].
 // ANCHOR: dead-reckon

@@ -1,4 +1,4 @@
-//! Distributions over a finite set of outcomes.
+//! Distributions over a finite set of outcomes, and joint tables of two variables.
 
 use crate::error::{in_range, non_negative};
 use crate::sampling::CumulativeTable;
@@ -81,7 +81,7 @@ impl<T> Discrete<T> {
         members.map(|(_, p)| p).sum()
     }
 
-    /// The distribution once it is known that `event` happened: P(a | e) = P(a and e) / P(e).
+    /// The distribution given that `event` happened: P(a | e) = P(a and e) / P(e).
     ///
     /// # Errors
     /// [`Error::ImpossibleEvidence`] where the event has probability 0.
@@ -109,7 +109,7 @@ impl<T> Discrete<T> {
 
     /// Expected value of a number that depends on the outcome: E(f) = sum f(x) P(x).
     ///
-    /// Outcomes of probability 0 do not count, whatever `f` says of them.
+    /// Outcomes of probability 0 do not count, whatever value `f` gives them.
     pub fn expectation(&self, f: impl Fn(&T) -> f64) -> f64 {
         let possible = self.iter().filter(|&(_, p)| p > 0.0);
         possible.map(|(outcome, p)| f(outcome) * p).sum()
@@ -178,8 +178,6 @@ pub(super) fn check_probabilities(probabilities: &[f64]) -> Result<()> {
     Ok(())
 }
 
-// Joint tables of two variables.
-
 /// The joint distribution P(A, B) of two variables: a table with a row for each value of A and a
 /// column for each value of B.
 ///
@@ -192,7 +190,7 @@ pub(super) fn check_probabilities(probabilities: &[f64]) -> Result<()> {
 /// )?;
 /// let weather = table.second_given(&"no cavity")?;
 /// assert!((weather.probability(|&w| w == "sunny") - 0.225 / 0.9).abs() < 1e-12);
-/// assert!(table.is_independent(), "the weather knows nothing of teeth");
+/// assert!(table.is_independent(), "weather and teeth are independent");
 /// # Ok::<(), loc_core::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]

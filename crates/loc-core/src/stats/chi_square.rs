@@ -1,4 +1,5 @@
-//! The chi-square distribution: how large the squared errors of an honest estimator are.
+//! The chi-square distribution of normalised squared errors, and confidence intervals of means and
+//! probabilities.
 
 use super::RunningMoments;
 use crate::error::{in_range, non_negative};
@@ -6,8 +7,7 @@ use crate::{Error, Normal, Result};
 use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF, StudentsT};
 use std::ops::RangeInclusive;
 
-/// More degrees of freedom than this no evaluation has, and the series of the distribution lose
-/// their digits.
+/// Upper bound of the degrees of freedom: beyond it the series of the distribution lose digits.
 const MAX_FREEDOM: usize = 100_000_000;
 
 /// P(X <= x) of the chi-square distribution with `dof` degrees of freedom; `1 - cdf` is the
@@ -45,7 +45,7 @@ pub fn chi_square_interval(dof: usize, confidence: f64) -> Result<RangeInclusive
 /// probability `confidence`, if the estimator's covariances are right
 /// (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
 ///
-/// A mean above the band tells of an overconfident estimator, one below of a timid one.
+/// A mean above the band indicates an overconfident estimator, one below an underconfident one.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] where `dof * runs` is outside 1..=10^8, and for a `confidence` outside
@@ -57,8 +57,8 @@ pub fn chi_square_band(dof: usize, runs: usize, confidence: f64) -> Result<Range
 }
 
 /// Where the mean per degree of freedom of values with `freedom` degrees together lies with
-/// probability `confidence`. Beyond [`MAX_FREEDOM`] the normal distribution takes over, from which
-/// it cannot be told there. `None` without any.
+/// probability `confidence`. Beyond [`MAX_FREEDOM`] the normal approximation is used. `None`
+/// without any.
 pub(super) fn mean_band(freedom: u64, confidence: f64) -> Option<RangeInclusive<f64>> {
     let count = usize::try_from(freedom).ok().filter(|count| *count > 0)?;
     if count <= MAX_FREEDOM {
@@ -102,8 +102,6 @@ fn distribution(dof: usize) -> Result<ChiSquared> {
     ChiSquared::new(dof as f64).map_err(|_| refused())
 }
 
-// How well a few runs tell what all runs would do.
-
 /// The interval that holds the expected value of a number with probability `confidence`, by
 /// Student's distribution: `mean -+ t s / sqrt(n)`. Exact for normally distributed numbers, good
 /// for others from some ten on. `None` for fewer than two numbers.
@@ -125,8 +123,8 @@ pub fn mean_interval(
 }
 
 /// The interval that holds the probability of a success with `confidence`, after `successes` of
-/// `count` trials (Wilson 1927). It stays within \[0, 1\], and 0 of n does not pass for proof that
-/// there are none.
+/// `count` trials (Wilson 1927). It stays within \[0, 1\], and 0 of n does not give the
+/// interval \[0, 0\].
 ///
 /// ```
 /// let interval = loc_core::stats::wilson_interval(10, 10, 0.95)?;

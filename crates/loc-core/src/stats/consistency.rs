@@ -1,15 +1,14 @@
-//! Whether an estimator's errors are what it claims them to be.
+//! Consistency of an estimator: whether its errors agree with the covariance that it reports.
 //!
-//! A filter that reports a covariance makes a promise about its errors, which three tests hold it
-//! to (Bar-Shalom, Li and Kirubarajan 2001, section 5.4):
+//! Three tests check this (Bar-Shalom, Li and Kirubarajan 2001, section 5.4):
 //!
 //! * **NEES**: the errors of the state, each normalised by the covariance that was claimed for it,
 //!   are chi-square distributed. The truth must be known, so this is a test for simulations, best
 //!   over many runs: [`NeesEnsemble`].
 //! * **NIS**: so are the innovations, measurement by measurement, and these need no truth:
 //!   [`ChiSquareTally`].
-//! * **Whiteness**: what was expected wrongly once says nothing about the next time, so innovations
-//!   are not correlated with those before: [`Whiteness`].
+//! * **Whiteness**: the innovations of a consistent filter are not correlated in time:
+//!   [`Whiteness`].
 //!
 //! ```
 //! use loc_core::stats::consistency::NeesEnsemble;
@@ -29,16 +28,14 @@ use crate::{Error, Gaussian, Normal, Result};
 use nalgebra::{SMatrix, SVector};
 use std::ops::RangeInclusive;
 
-// The figures of a single error, and of a single sequence.
-
 /// Normalised estimation error squared, `e^T P^-1 e`, of an error vector (angles wrapped) and the
 /// covariance that the estimator claims. The same of an innovation and its covariance is the NIS.
 ///
 /// Chi-square distributed with `N` degrees of freedom where the claim is right.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for an error that is not finite, [`Error::NotACovariance`] for a covariance
-/// that is singular or not finite.
+/// [`Error::OutOfRange`] for an error that is not finite, [`Error::NotACovariance`] for a
+/// covariance that is singular or not finite.
 pub fn nees<const N: usize>(
     error: &SVector<f64, N>,
     covariance: &SMatrix<f64, N, N>,
@@ -76,8 +73,9 @@ pub fn autocorrelation(sequence: &[f64], lag: usize) -> Result<f64> {
     Ok(sum / sum_of_squares)
 }
 
-/// How far from 0 the [`autocorrelation`] of a white sequence of `count` elements lies at most, with
-/// probability `confidence`: the normal quantile by `sqrt(count)`, good for `count` above about 30.
+/// How far from 0 the [`autocorrelation`] of a white sequence of `count` elements lies at most,
+/// with probability `confidence`: the normal quantile by `sqrt(count)`, good for `count` above
+/// about 30.
 ///
 /// # Errors
 /// [`Error::Length`] for an empty sequence, [`Error::OutOfRange`] for a `confidence` outside
@@ -90,10 +88,8 @@ pub fn whiteness_bound(count: usize, confidence: f64) -> Result<f64> {
     Ok(Normal::STANDARD.quantile(0.5 + 0.5 * confidence)? / (count as f64).sqrt())
 }
 
-// Normalised squares, counted.
-
-/// Normalised squared errors (NIS, NEES) of any degrees of freedom, held against the chi-square
-/// distribution.
+/// Normalised squared errors (NIS, NEES) of any degrees of freedom, compared with the
+/// chi-square distribution.
 ///
 /// ```
 /// use loc_core::stats::consistency::ChiSquareTally;
@@ -119,7 +115,7 @@ pub struct ChiSquareTally {
 }
 
 impl ChiSquareTally {
-    /// Nothing counted yet; single values are held against the interval that holds the share
+    /// An empty tally; single values are compared with the interval that holds the share
     /// `confidence` of them.
     ///
     /// # Errors
@@ -186,7 +182,7 @@ impl ChiSquareTally {
     }
 
     /// Where [`mean_per_degree`](Self::mean_per_degree) lies with the tally's confidence, if the
-    /// values are independent, as innovations of an honest filter are. `None` without values.
+    /// values are independent, as innovations of a consistent filter are. `None` without values.
     pub fn band_per_degree(&self) -> Option<RangeInclusive<f64>> {
         mean_band(self.freedom, self.confidence)
     }
@@ -198,13 +194,11 @@ impl ChiSquareTally {
     }
 }
 
-// The NEES of many runs.
-
 /// NEES over the steps of many runs of one experiment, each with other random numbers.
 ///
-/// The errors of one run hang together from step to step, so one run proves little. The same step
-/// of many runs gives independent values, and their mean must lie in a narrow band: the test is
-/// the share of the steps at which it does.
+/// The errors of one run are correlated from step to step, so one run is weak evidence. The same
+/// step of many runs gives independent values, and their mean must lie in a narrow band: the test
+/// is the share of the steps at which it does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NeesEnsemble {
     confidence: f64,
@@ -306,9 +300,9 @@ impl NeesEnsemble {
     }
 
     /// Where the expected value of [`mean_per_degree`](NeesEnsemble::mean_per_degree) lies, by the
-    /// scatter from run to run: honest where this holds 1. `None` for fewer than two runs.
+    /// scatter from run to run: consistent where this contains 1. `None` for fewer than two runs.
     ///
-    /// The steps of a run hang together in ways that no table knows, hence the scatter.
+    /// The steps of a run are correlated in an unknown way, so the chi-square table does not apply.
     pub fn interval_per_degree(&self) -> Option<RangeInclusive<f64>> {
         mean_interval(&self.runs, self.confidence).ok().flatten()
     }
@@ -328,13 +322,11 @@ impl NeesEnsemble {
     }
 }
 
-// The autocorrelation of innovations over many runs.
-
 /// Sums from which the autocorrelation of innovations follows, over any number of sequences.
 ///
 /// For each lag l from 1 on, `rho(l) = (sum x_t x_(t+l) / n_l) / (sum x_t^2 / n)`. The mean is not
-/// taken off: innovations of an honest filter have none, and a filter that is wrong in the same
-/// direction all the time is found out here too. Each number of a measurement (range, bearing) of
+/// subtracted: innovations of a consistent filter have mean 0, and a filter with a constant bias is
+/// detected as well. Each number of a measurement (range, bearing) of
 /// each run is a sequence of its own.
 ///
 /// ```
@@ -388,7 +380,7 @@ impl Whiteness {
         Ok(())
     }
 
-    /// Adds what `other` has seen, at the lags that both have.
+    /// Adds the sums of `other`, at the lags that both have.
     pub fn merge(&mut self, other: &Whiteness) {
         self.squares += other.squares;
         self.count += other.count;

@@ -1,10 +1,10 @@
-//! Statistics of samples, and the tests of whether an estimator tells the truth about itself (F2).
+//! Statistics of samples, and consistency tests of estimators (F2).
 //!
-//! A sample is a list of measured numbers: the errors of a run, say. [`RunningMoments`] takes them
-//! one at a time and knows their mean and spread; [`median`] and [`quantile`] describe them without
-//! being misled by a few outliers. An estimator also claims how large its error should be, its
-//! covariance: [`nees`] sets the one against the other, and [`chi_square_band`] says which values
-//! of that ratio chance explains; [`consistency`] has the tests over many runs.
+//! A sample is a list of measured numbers: the errors of a run, say. [`RunningMoments`] adds them
+//! one at a time and gives mean and variance; [`median`] and [`quantile`] are robust to a few
+//! outliers. An estimator also reports the covariance of its error: [`nees`] normalises the error
+//! by it, and [`chi_square_band`] is the interval of that figure for a consistent estimator;
+//! [`consistency`] has the tests over many runs.
 //!
 //! ```
 //! use loc_core::stats::{self, RunningMoments};

@@ -1,4 +1,4 @@
-//! Mean and spread of numbers that come one at a time.
+//! Figures of samples: running moments, quantiles, covariance and correlation (F2).
 
 use crate::error::{finite, in_range, positive, probability};
 use crate::{Error, Gaussian, Result};
@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 /// Count, mean, variance, minimum and maximum of numbers, without keeping them.
 ///
 /// Welford's recurrence (1962): as accurate for numbers far from 0 as for those near it. Two of
-/// them [`merge`](RunningMoments::merge) as if one had seen everything.
+/// them [`merge`](RunningMoments::merge) into the moments of all numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunningMoments {
     count: u64,
@@ -31,7 +31,7 @@ impl Default for RunningMoments {
 }
 
 impl RunningMoments {
-    /// The moments of nothing yet.
+    /// The moments of an empty sample.
     pub fn new() -> Self {
         RunningMoments::default()
     }
@@ -63,7 +63,7 @@ impl RunningMoments {
         Ok(())
     }
 
-    /// Adds all that `other` has seen (Chan, Golub and LeVeque, 1979).
+    /// Adds the numbers of `other` (Chan, Golub and LeVeque, 1979).
     pub fn merge(&mut self, other: &RunningMoments) {
         if other.count == 0 {
             return;
@@ -115,8 +115,6 @@ impl RunningMoments {
     }
 }
 
-// Median, quantiles and root mean square of a sample.
-
 /// The value in the middle of the sample, halfway between the two middle ones of an even number.
 ///
 /// # Errors
@@ -164,8 +162,6 @@ fn check(values: &[f64]) -> Result<()> {
     }
     Ok(())
 }
-
-// Covariance and correlation of samples (F2).
 
 /// Covariance of two samples taken in pairs: the sum of products of deviations from the means, by
 /// n - 1.

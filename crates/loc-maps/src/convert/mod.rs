@@ -46,8 +46,6 @@ use loc_core::Pose2;
 use loc_core::error::{non_negative, positive};
 use nalgebra::Point2;
 
-// Lines and points drawn into a grid.
-
 impl LineMap {
     /// A grid that just holds all lines, with `margin` \[m\] around them and cells of
     /// `resolution` \[m\]; see [`rasterize`](LineMap::rasterize).
@@ -175,8 +173,6 @@ fn visit_touched(frame: &GridFrame, line: &LineSegment, mut visit: impl FnMut(Ce
         }
     }
 }
-
-// Grids and lines turned into points.
 
 /// The most points that sampled lines may give.
 const MAX_POINTS: f64 = 1e8;

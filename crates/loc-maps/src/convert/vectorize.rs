@@ -1,8 +1,8 @@
-//! A grid's walls as lines.
+//! A grid's walls as lines, fitted or exact to the cell.
 //!
 //! The cells that a sensor can hit become points. Where the points around one of them lie along a
-//! line, that line is grown: it gathers the points in its way, is fitted to them (least squares of
-//! the distances), reaches farther, and ends where the points do.
+//! line, that line is grown: the points near it are gathered, it is fitted to them (least squares
+//! of the distances) and extended, and it ends where the points do.
 
 use super::{Surface, surface_cells};
 use crate::grid::{Cell, Occupancy, OccupancyGrid};
@@ -10,7 +10,7 @@ use crate::{Bounds, LineMap, LineSegment, PointMap, Result};
 use loc_core::error::{positive, probability};
 use nalgebra::{Matrix2, Point2, Vector2};
 
-/// What counts as a line of a grid.
+/// Criteria for a line of a grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VectorizeSettings {
     /// Shortest line \[m\].
@@ -19,7 +19,7 @@ pub struct VectorizeSettings {
     pub max_gap: f64,
     /// Farthest that a cell may lie off its line \[cells\].
     pub tolerance: f64,
-    /// Least share of a line's length that must be covered by cells, in (0, 1].
+    /// Minimum share of a line's length that must be covered by cells, in (0, 1].
     pub min_cover: f64,
 }
 
@@ -114,7 +114,7 @@ fn seeds(points: &PointMap, growth: &Growth) -> Vec<(usize, Vector2<f64>)> {
     seeds.into_iter().map(|(index, direction, _)| (index, direction)).collect()
 }
 
-/// The line through points with the least sum of squared distances: the middle, the direction,
+/// The line through points with the smallest sum of squared distances: the middle, the direction,
 /// and the variance across it divided by that along it.
 pub(super) fn fit(points: &[Point2<f64>]) -> (Point2<f64>, Vector2<f64>, f64) {
     let count = points.len().max(1) as f64;
@@ -131,17 +131,15 @@ pub(super) fn fit(points: &[Point2<f64>]) -> (Point2<f64>, Vector2<f64>, f64) {
     (Point2::from(middle), along, if long > 0.0 { thick / long } else { 1.0 })
 }
 
-// One line grown from a point through the points in its way.
-
-/// Fits of a line, at most.
+/// Maximum number of fits of a line.
 const FITS: usize = 20;
 
 /// The settings, in metres and numbers of points.
 #[derive(Debug)]
 pub(super) struct Growth {
-    /// Radius in which a point looks for its first direction.
+    /// Radius of the points that give a seed its first direction.
     pub(super) around: f64,
-    /// Fewest points there that say something.
+    /// Minimum number of points there.
     pub(super) few: usize,
     resolution: f64,
     tolerance: f64,
@@ -279,8 +277,6 @@ fn take(points: &PointMap, growth: &Growth, line: &LineSegment, used: &mut [bool
         }
     });
 }
-
-// The outline of a grid's walls, exact to the cell.
 
 /// Where along a grid line the cells on both sides make a wall, each run with one side free.
 fn runs(

@@ -1,9 +1,8 @@
-//! The occupancy grid (C1): a chequered floor plan that says of each cell how likely it is
-//! occupied.
+//! The occupancy grid (C1): a map of cells, each with its probability of being occupied.
 //!
-//! It is what mapping produces and what most localizers are given. Cells hold the values of the
-//! ROS occupancy message: 0 (surely free) to 100 (surely occupied), -1 unknown, row by row from
-//! the bottom. Where the grid lies in the map, yaw included, is its [`GridFrame`].
+//! Mapping produces it, and most localizers use it. Cells hold the values of the ROS occupancy
+//! message: 0 (certainly free) to 100 (certainly occupied), -1 unknown, row by row from the bottom.
+//! Where the grid lies in the map, yaw included, is its [`GridFrame`].
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -17,11 +16,8 @@
 //! # Ok::<(), loc_maps::Error>(())
 //! ```
 //!
-//! The three classes of a cell: free, occupied, unknown.
-//!
-//! A cell carries the value of the ROS occupancy message: the probability of being occupied in
-//! percent, 0 to 100, or -1 where nothing is known. Methods that need a yes or no take the
-//! customary thresholds of map files: at least 0.65 is occupied, at most 0.196 is free.
+//! The classes of a cell ([`Occupancy`]) follow from the customary thresholds of map files: at
+//! least 0.65 is occupied, at most 0.196 is free.
 //!
 //! ```
 //! use loc_maps::grid::Occupancy;
@@ -67,7 +63,7 @@ impl OccupancyGrid {
         }
     }
 
-    /// A grid from values that are known to be right, one for each cell.
+    /// A grid from values that are known to be valid, one for each cell.
     pub(crate) fn from_valid(frame: GridFrame, cells: Vec<i8>) -> Self {
         debug_assert!(cells.len() == frame.cell_count() && cells.iter().all(|&v| is_valid(v)));
         OccupancyGrid { frame, cells }
@@ -146,7 +142,7 @@ impl OccupancyGrid {
         self.value_at(point).map_or(Occupancy::Unknown, Occupancy::of)
     }
 
-    /// Gives a cell a value.
+    /// Sets the value of a cell.
     ///
     /// # Errors
     /// [`Error::OutsideGrid`] for a cell that the grid does not have, and [`Error::CellValue`]
@@ -181,7 +177,7 @@ fn is_valid(value: i8) -> bool {
     (UNKNOWN..=100).contains(&value)
 }
 
-/// The value of a cell of which nothing is known.
+/// The value of an unknown cell.
 pub const UNKNOWN: i8 = -1;
 
 /// The lowest value of an occupied cell \[percent\].
@@ -190,12 +186,12 @@ pub const OCCUPIED_FROM: i8 = 65;
 /// The highest value of a free cell \[percent\] (19.6, rounded down to what a cell can hold).
 pub const FREE_TO: i8 = 19;
 
-/// What is known of a cell.
+/// The class of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Occupancy {
-    /// Nothing stands there.
+    /// No obstacle.
     Free,
-    /// Something stands there.
+    /// An obstacle.
     Occupied,
     /// Not observed, or undecided.
     Unknown,

@@ -1,6 +1,6 @@
 //! The likelihood field (C5): for every place, how likely it is that a laser beam ends there.
 //!
-//! Beams end on walls, more or less: the likelihood is highest on an obstacle and falls off with
+//! Beams end on walls, up to noise: the likelihood is highest on an obstacle and falls off with
 //! the distance to the nearest one. Computed once for a map, it turns the rating of a pose into
 //! one lookup for each beam, which is what a particle filter does millions of times a second
 //! (Thrun, Burgard and Fox, "Probabilistic Robotics", 2005, section 6.4).
@@ -9,15 +9,15 @@
 //! likelihood: codes of many beams add up as whole numbers, in any order to the same sum, and
 //! become a logarithm once at the end. The cells lie in tiles of 8 x 8, one cache line each, since
 //! beams of similar poses end close together in both directions; a margin of one tile catches what
-//! falls off the map, so that no lookup asks whether it is inside. That is the memory, a byte a cell
-//! (and six more while the field is built).
+//! falls off the map, so that no lookup tests whether it is inside. The memory is, a byte a
+//! cell (and six more while the field is built).
 //!
-//! What the byte costs: with the default settings a step of the code is 0.0126 in the logarithm of
+//! Loss by quantisation: with the default settings a step of the code is 0.0126 in the logarithm of
 //! the likelihood, so a beam is off by 0.0063 at most and 0.0036 on the average (root mean
 //! square), as much as 0.8 mm of distance are worth at one standard deviation.
 //!
-//! Clouds of poses are rated together, by the widest vector instructions that the machine has
-//! (SSE2, AVX2 or AVX-512, chosen while the program runs), with the same bits on all machines:
+//! Sets of poses are rated together, by the widest vector instructions of the processor
+//! (SSE2, AVX2 or AVX-512, chosen at run time), with the same bits on all machines:
 //! [`LikelihoodField::log_likelihoods`] is what particle filters call. Positions in the grid and
 //! beams are kept in single precision there, good for a millimetre on a map of 10 km. A beam of a
 //! tracked pose takes 0.3 to 0.4 ns with AVX-512, 0.6 with AVX2, 1.1 with SSE2 (bench
@@ -64,12 +64,12 @@ pub struct LikelihoodField {
     codes: Codes,
 }
 
-/// What codes mean.
+/// The scale of the codes.
 #[derive(Debug, Clone, Copy)]
 struct Scale {
     /// Logarithm of the likelihood of code 0.
     lowest: f64,
-    /// What one code adds to it.
+    /// Increment per code.
     step: f64,
 }
 
@@ -91,7 +91,7 @@ impl LikelihoodField {
         &self.frame
     }
 
-    /// What the field was made with.
+    /// The settings of the field.
     pub fn settings(&self) -> &LikelihoodFieldSettings {
         &self.settings
     }
@@ -116,7 +116,7 @@ impl LikelihoodField {
     }
 
     /// The same for many poses (x, y, theta) \[m, m, rad\], given by one coordinate after the
-    /// other, into `out`: to the bit what [`LikelihoodField::log_likelihood`] answers for each of
+    /// other, into `out`: bit-identical to [`LikelihoodField::log_likelihood`] of each of
     /// them. The shortest slice counts; what is beyond it in `out` stays as it is.
     ///
     /// Poses off the map and NaN are allowed: their beams end off the map.
@@ -172,15 +172,15 @@ impl LikelihoodField {
     pub fn hits(&self, distance: f64, poses: [&[f64]; 3], endpoints: &Endpoints) -> Vec<u32> {
         let mut counts = vec![0; endpoints.len()];
         let distance = distance.min(self.settings.max_distance);
-        let least = self.scale.code(self.settings.likelihood(distance).ln());
-        let reading = Count { least, counts: &mut counts };
+        let min_code = self.scale.code(self.settings.likelihood(distance).ln());
+        let reading = Count { min_code, counts: &mut counts };
         self.rate(poses, usize::MAX, endpoints, reading);
         counts
     }
 
-    /// Reads the scan from the poses, `most` of them at the most.
-    fn rate(&self, poses: [&[f64]; 3], most: usize, endpoints: &Endpoints, reading: impl Reading) {
-        let count = poses.iter().fold(most, |count, slice| count.min(slice.len()));
+    /// Reads the scan from the poses, at most `max` of them.
+    fn rate(&self, poses: [&[f64]; 3], max: usize, endpoints: &Endpoints, reading: impl Reading) {
+        let count = poses.iter().fold(max, |count, slice| count.min(slice.len()));
         let [x, y, theta] = poses.map(|slice| slice.get(..count).unwrap_or_default());
         let LikelihoodField { frame, codes, .. } = self;
         Rating { frame, codes, x, y, theta, endpoints, reading }.run();
@@ -202,7 +202,7 @@ impl LikelihoodField {
         self.scale.code(off_map(&self.settings))
     }
 
-    /// What one code adds to the logarithm of the likelihood.
+    /// Increment of the logarithm of the likelihood per code.
     pub fn code_step(&self) -> f64 {
         self.scale.step
     }
@@ -224,11 +224,7 @@ impl Scale {
     }
 }
 
-// The bytes of the field, for searches that keep them in a layout of their own.
-
-// A pose as the lookups need it.
-
-/// A pose in the grid's frame, in single precision.
+/// A pose in the grid's frame, in single precision, as the lookups use it.
 #[derive(Debug, Clone, Copy, Default)]
 struct View {
     /// Column and row \[cells\].

@@ -1,8 +1,8 @@
-//! Many poses rated in one go, by the widest vector instructions that the machine has.
+//! Rating of many poses at once, by the widest vector instructions of the processor.
 //!
-//! The loops here are plain Rust without a word about instructions. `pulp` compiles them several
-//! times, for SSE2, AVX2 and AVX-512, and asks the processor once a call which to run. They add
-//! and multiply the same numbers in the same order, so all of them come to the same bits.
+//! The loops are plain Rust without intrinsics. `pulp` compiles them several times, for SSE2, AVX2
+//! and AVX-512, and selects the version once a call. All versions add and multiply the same numbers
+//! in the same order, so their results are bit-identical.
 
 use super::View;
 use super::tiles::{Codes, Tiles, place_in_rows};
@@ -14,19 +14,19 @@ use std::slice::IterMut;
 /// Poses that are turned into views together.
 const GROUP: usize = 64;
 
-/// Blocks of beams that are placed before their codes are read. The places pass through memory,
-/// the fastest one: taking them out of vector registers one by one would cost more.
+/// Blocks of beams whose places are computed before their codes are read. The places pass through
+/// the first-level cache: extracting them from vector registers one by one would cost more.
 const BLOCKS: usize = 32;
 
 /// Places of that many beams.
 type Places = [[u32; BLOCK]; BLOCKS];
 
-/// What is made of the codes at the ends of a scan's beams.
+/// A reduction of the codes at the ends of a scan's beams.
 pub(super) trait Reading {
-    /// Takes in some beams, the first of which is number `first` of the scan.
+    /// Adds some beams, the first of which is number `first` of the scan.
     fn beams(&mut self, codes: &[u8], places: &[u32], first: usize);
 
-    /// All beams of a pose were taken in.
+    /// Called after all beams of a pose.
     fn finish_pose(&mut self);
 }
 
@@ -66,7 +66,7 @@ impl<R: Reading> Rating<'_, R> {
     }
 }
 
-/// The task as an object, which is how the instructions are handed to it.
+/// The task as an object, as `pulp` dispatches it.
 pub(super) struct InTiles<'a, R> {
     pub(super) tiles: &'a Tiles,
     pub(super) rating: Rating<'a, R>,
@@ -116,8 +116,6 @@ fn read(
     reading.finish_pose();
 }
 
-// The ends of a scan's beams, laid out for lookups.
-
 /// How many beams are placed together: as many as the widest vector instructions take at once.
 pub(super) const BLOCK: usize = 16;
 
@@ -159,7 +157,7 @@ impl Endpoints {
         self.ys.get(..self.len).unwrap_or_default()
     }
 
-    /// The beams for which `keep` says so, in order; those that it does not reach are left out.
+    /// The beams for which `keep` is true, in order; beams beyond its length are left out.
     #[must_use]
     pub fn selected(&self, keep: &[bool]) -> Self {
         let beams = self.xs().iter().zip(self.ys()).zip(keep);
@@ -198,9 +196,7 @@ impl FromIterator<(f32, f32)> for Endpoints {
     }
 }
 
-// What can be read from the codes at the ends of a scan's beams.
-
-/// How many beams are looked up in a row: their sums do not wait for each other.
+/// How many beams are looked up in a row: their sums are independent.
 const AT_ONCE: usize = 8;
 
 /// The code at a place, which lies in the map as the coordinates that it came from are clamped.
@@ -213,7 +209,7 @@ fn code(codes: &[u8], place: u32) -> u8 {
 pub(super) struct LogLikelihood<'a> {
     /// Logarithm of the likelihood of a scan whose codes are all 0.
     pub(super) lowest: f64,
-    /// What one code adds to it.
+    /// Increment per code.
     pub(super) step: f64,
     pub(super) sum: u64,
     /// One for each pose.
@@ -247,7 +243,7 @@ impl Reading for LogLikelihood<'_> {
     }
 }
 
-/// The sum of what a table says of the codes.
+/// The sum of the table's values of the codes.
 pub(super) struct TableSum<'a> {
     pub(super) table: &'a [f64; 256],
     /// The sum of every `AT_ONCE`-th beam.
@@ -275,9 +271,9 @@ impl Reading for TableSum<'_> {
     }
 }
 
-/// For each beam, from how many poses its code is at least `least`.
+/// For each beam, from how many poses its code is at least `min_code`.
 pub(super) struct Count<'a> {
-    pub(super) least: u8,
+    pub(super) min_code: u8,
     /// One for each beam.
     pub(super) counts: &'a mut [u32],
 }
@@ -287,7 +283,7 @@ impl Reading for Count<'_> {
     fn beams(&mut self, codes: &[u8], places: &[u32], first: usize) {
         let counts = self.counts.get_mut(first..).unwrap_or_default();
         for (count, &place) in counts.iter_mut().zip(places) {
-            *count += u32::from(code(codes, place) >= self.least);
+            *count += u32::from(code(codes, place) >= self.min_code);
         }
     }
 

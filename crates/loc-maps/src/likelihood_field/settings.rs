@@ -129,8 +129,6 @@ impl LikelihoodFieldSettings {
     }
 }
 
-// From a grid to its likelihood field.
-
 /// Squared distances \[cells^2\] of which the code is looked up; those above are computed.
 const LOOKED_UP: u32 = 1 << 20;
 
@@ -166,7 +164,7 @@ pub(super) fn build(
     Ok(LikelihoodField { frame, settings: *settings, scale, codes })
 }
 
-/// The scale from the least to the greatest log-likelihood that the settings allow.
+/// The scale from the smallest to the largest log-likelihood that the settings allow.
 fn scale(settings: &LikelihoodFieldSettings) -> Scale {
     let of_distance = |distance| settings.likelihood(distance).ln();
     let all = [of_distance(settings.max_distance), of_distance(0.0), off_map(settings)];

@@ -33,7 +33,7 @@ fn poses(rng: &mut impl Rng) -> [Vec<f64>; 3] {
     poses
 }
 
-/// The sum of codes as one would write it down: cell by cell, with every case told apart.
+/// The sum of codes in its plain form: cell by cell, each case separately.
 fn naive(field: &LikelihoodField, [x, y, theta]: [f64; 3], endpoints: &Endpoints) -> u64 {
     let View { u, v, cos, sin } = View::new(&field.frame, x, y, theta);
     let view = View { u: u + 8.0, v: v + 8.0, cos, sin };

@@ -1,9 +1,9 @@
 //! The line map (C2): a vector drawing of the walls.
 //!
-//! A building drawn as straight lines takes little memory, has no resolution, and is what lines
-//! found in a laser scan are matched against. The map answers which line is nearest, where a ray
-//! ends, and which parts of which lines can be seen from a place; a search tree (of boxes, halved
-//! again and again) keeps these quick. The file format is CSV with the columns `x1,y1,x2,y2` \[m\].
+//! Straight lines take little memory, have no resolution, and are what lines extracted from a laser
+//! scan are matched with. Queries: the nearest line, where a ray ends, and which parts of which
+//! lines are visible from a position; a bounding volume hierarchy makes these fast. The file format
+//! is CSV with the columns `x1,y1,x2,y2` \[m\].
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -178,8 +178,6 @@ impl From<LineMap> for Vec<LineSegment> {
     }
 }
 
-// One straight line from a point to another.
-
 /// Rays that start on a line, up to rounding, hit it \[m\].
 const ON_LINE: f64 = 1e-9;
 
@@ -214,7 +212,7 @@ impl LineSegment {
         nalgebra::distance(&self.start, &self.end)
     }
 
-    /// The point at a fraction of the way, 0 the start and 1 the end \[m\].
+    /// The point at a fraction of the length, 0 the start and 1 the end \[m\].
     pub fn at(&self, fraction: f64) -> Point2<f64> {
         self.start + (self.end - self.start) * fraction
     }
@@ -248,7 +246,7 @@ impl LineSegment {
         NormalForm { r: r.abs(), alpha: angle::wrap(turned) }
     }
 
-    /// Fraction of the way at which a point is nearest, in \[0, 1\].
+    /// Fraction of the length at which a point is nearest, in \[0, 1\].
     pub fn nearest_fraction(&self, point: &Point2<f64>) -> f64 {
         let along = self.end - self.start;
         let fraction = (point - self.start).dot(&along) / along.norm_squared();
@@ -287,7 +285,7 @@ impl LineSegment {
         (far >= -ON_LINE).then_some(far.max(0.0))
     }
 
-    /// Checks that both ends are places in a robot's world, and not the same one.
+    /// Checks that both ends are valid coordinates, and different.
     pub(crate) fn checked(self) -> Result<Self> {
         for value in [self.start.x, self.start.y, self.end.x, self.end.y] {
             coordinate("end of a line [m]", value)?;
@@ -298,7 +296,7 @@ impl LineSegment {
         Err(crate::Error::LineWithoutLength { x: self.start.x, y: self.start.y })
     }
 
-    /// Whether the ends are two places, also where squares of numbers vanish.
+    /// Whether the ends are two positions, also where squares of numbers vanish.
     pub(crate) fn has_length(&self) -> bool {
         (self.end - self.start).norm_squared() > 0.0
     }
@@ -322,8 +320,6 @@ impl Bounded for LineSegment {
         Bounds { min: self.start.inf(&self.end), max: self.start.sup(&self.end) }
     }
 }
-
-// Line maps as text.
 
 const COLUMNS: [&str; 4] = ["x1", "y1", "x2", "y2"];
 

@@ -1,4 +1,4 @@
-//! Rays through lines of bits: all the cells that a ray passes in a line are looked at together.
+//! Ray casting on lines of bits: all the cells of a ray in one line are tested together.
 
 use super::GridRay;
 use super::traversal::fan;
@@ -8,10 +8,10 @@ use nalgebra::Point2;
 
 /// A grid prepared for casting many rays.
 ///
-/// It keeps one bit a cell, once by rows and once by columns, and for each four lines what any of
-/// them holds (a third of a byte a cell in all). A ray that runs more along x than along y passes
+/// It keeps one bit a cell, once by rows and once by columns, and for each four lines their
+/// union (a third of a byte a cell in all). A ray that runs more along x than along y passes
 /// a run of neighbouring cells in each row; one reading of eight bytes holds the runs of four
-/// rows, and only where something is set there the rows are looked at one by one. Steep rays do
+/// rows, and only where a bit is set there the rows are tested one by one. Steep rays do
 /// the same over columns. The answers are those of the exact traversal.
 #[derive(Debug, Clone)]
 pub struct RayCaster {
@@ -43,7 +43,7 @@ impl RayCaster {
 
     /// The length at which a ray meets its first occupied cell, `None` where there is none within
     /// `max_length`. All in the grid's frame \[cells\], the direction a unit vector: for loops that
-    /// turn directions themselves instead of asking for sine and cosine at every ray.
+    /// rotate directions themselves instead of computing sine and cosine for every ray.
     #[inline(always)]
     pub fn cast_in_cells(
         &self,
@@ -129,8 +129,6 @@ impl RangeWorld for RayCaster {
     }
 }
 
-// One bit a cell, in rows or in columns, read many cells at a time.
-
 /// How many cells one reading holds, wherever it begins.
 pub(super) const WINDOW: usize = 57;
 
@@ -142,11 +140,11 @@ pub(super) const MARGIN: usize = 64;
 
 /// Lines of bits, the rows of a grid or its columns, with a wall all round.
 ///
-/// The wall saves the search from asking at every step whether the ray has left the grid: it is
+/// With the wall the search needs no test of whether the ray has left the grid: it is
 /// [`MARGIN`] cells deep before and after every line, and one group of lines below and above.
 #[derive(Debug, Clone)]
 pub(super) struct BitLines {
-    /// The lines, and what any line of a group holds.
+    /// The lines, and the union of the lines of each group.
     lines: Vec<u8>,
     groups: Vec<u8>,
     /// From one line to the next \[bytes\].
@@ -213,8 +211,6 @@ fn read(bytes: &[u8], line: usize, from: usize) -> u64 {
     // What cannot be read is wall.
     eight.map_or(u64::MAX, u64::from_le_bytes) >> (from % 8)
 }
-
-// The search for the first bit that a ray meets in lines of bits.
 
 /// A ray among lines: it runs more along them than across.
 ///

@@ -1,4 +1,4 @@
-//! Exact traversal: every cell that a ray passes, in order.
+//! Exact traversal: every cell that a ray passes, in order; and the part of a ray on a grid.
 
 use crate::grid::{Cell, GridFrame, OCCUPIED_FROM, OccupancyGrid};
 use loc_sensors::world::RangeWorld;
@@ -25,7 +25,7 @@ pub struct Traversal {
 /// A length that no ray reaches, in units of the walk.
 const FARTHEST: f64 = (1_u64 << 61) as f64;
 
-/// The walk over the places of a row-major grid.
+/// The traversal of a row-major grid by index.
 ///
 /// Which axis comes next is kept as one whole number: how much sooner the ray meets the next edge
 /// along x than along y (negative: x first). A step then takes no unpredictable branch.
@@ -135,8 +135,6 @@ impl RangeWorld for OccupancyGrid {
         });
     }
 }
-
-// A ray in the frame of a grid, cut to the part that lies on it.
 
 /// A ray's part on a grid. Lengths along it are in cells.
 #[derive(Debug, Clone, Copy)]
@@ -249,8 +247,8 @@ impl GridRay {
     }
 }
 
-/// After how many rays of a fan the direction is computed anew instead of turned on, so that
-/// rounding does not add up.
+/// After how many rays of a fan the direction is computed anew instead of rotated further, so
+/// that rounding does not add up.
 const TURNS: usize = 32;
 
 /// Casts a fan: `cast` is called with the direction of each ray in the grid's frame, a unit

@@ -1,9 +1,10 @@
 //! The topological map (C4): a graph of neighbouring places.
 //!
-//! People do not give coordinates, they say "down the corridor, through the second door". This map
-//! knows places (rooms, corridors, doors) and which of them are neighbours, and finds the shortest
-//! way from one to another. It is drawn by hand in a TOML file, or extracted from an occupancy
-//! grid by [`TopologicalMap::from_grid`], which takes narrow passages for doors.
+//! People describe routes by places ("down the corridor, through the second door"), not by
+//! coordinates. This map holds places (rooms, corridors, doors) and which of them are neighbours,
+//! and finds the shortest path from one to another. It is drawn by hand in a TOML file, or
+//! extracted from an occupancy grid by [`TopologicalMap::from_grid`], which takes narrow passages
+//! for doors.
 //!
 //! ```
 //! # #[cfg(feature = "serde")] {
@@ -100,7 +101,7 @@ impl TopologicalMap {
         self.by_name.get(name).copied()
     }
 
-    /// The neighbours of a place, with the length of the way to each \[m\]; none for an index that
+    /// The neighbours of a place, with the length of the path to each \[m\]; none for an index that
     /// no place has.
     pub fn neighbours(&self, place: usize) -> &[(usize, f64)] {
         self.neighbours.get(place).map_or(&[], Vec::as_slice)
@@ -168,10 +169,10 @@ impl TopologicalMap {
         Ok(())
     }
 
-    /// The shortest way from one place to another, `None` where there is none.
+    /// The shortest path from one place to another (Dijkstra 1959), `None` where there is none.
     ///
-    /// Buildings have at most some thousand places, so the next nearest one is simply looked for
-    /// among all.
+    /// Buildings have at most some thousand places, so the nearest open place is found by a linear
+    /// search.
     pub fn shortest_path(&self, from: usize, to: usize) -> Option<Route> {
         let count = self.places().len();
         if from >= count || to >= count {
@@ -198,7 +199,7 @@ impl TopologicalMap {
     }
 }
 
-/// What is stored of a map: the rest follows from it.
+/// The serialized form: places and edges, from which the rest is computed.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Stored {
@@ -221,14 +222,12 @@ impl From<TopologicalMap> for Stored {
     }
 }
 
-// Places and the edges between them.
-
-/// What kind of place it is.
+/// The kind of a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum PlaceKind {
-    /// A room, where one stays.
+    /// A room.
     Room,
     /// A corridor, which leads from place to place.
     Corridor,
@@ -236,13 +235,13 @@ pub enum PlaceKind {
     Door,
 }
 
-/// A place of a [`TopologicalMap`](TopologicalMap).
+/// A place of a [`TopologicalMap`].
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Place {
     /// Its name, which no other place has.
     pub name: String,
-    /// What kind of place it is.
+    /// Its kind.
     pub kind: PlaceKind,
     /// A point in it where a robot can stand \[m\].
     pub position: Point2<f64>,
@@ -258,24 +257,24 @@ pub struct Place {
 pub struct Edge {
     /// The indices of the two places.
     pub between: [usize; 2],
-    /// Length of the way from one to the other \[m\].
+    /// Length of the path from one to the other \[m\].
     pub length: f64,
-    /// Points on the way from the first to the second \[m\]; none where it is straight.
+    /// Points on the path from the first to the second \[m\]; none where it is straight.
     pub via: Vec<Point2<f64>>,
 }
 
 impl Edge {
-    /// An edge between two places by their indices, with the length of the way \[m\].
+    /// An edge between two places by their indices, with the length of the path \[m\].
     pub fn new(from: usize, to: usize, length: f64) -> Self {
         Edge { between: [from, to], length, via: Vec::new() }
     }
 }
 
-/// Length of a way from point to point \[m\].
-fn way_length(way: impl IntoIterator<Item = Point2<f64>>) -> f64 {
-    let mut way = way.into_iter();
-    let Some(mut at) = way.next() else { return 0.0 };
-    way.map(|next| nalgebra::distance(&std::mem::replace(&mut at, next), &next)).sum()
+/// Length of a path from point to point \[m\].
+fn path_length(points: impl IntoIterator<Item = Point2<f64>>) -> f64 {
+    let mut points = points.into_iter();
+    let Some(mut at) = points.next() else { return 0.0 };
+    points.map(|next| nalgebra::distance(&std::mem::replace(&mut at, next), &next)).sum()
 }
 
 impl PlaceKind {
@@ -315,9 +314,7 @@ impl Place {
     }
 }
 
-// The shortest way between two places (Dijkstra 1959).
-
-/// A way through a [`TopologicalMap`].
+/// A path through a [`TopologicalMap`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Route {
     /// The places from start to goal, both included.
@@ -326,7 +323,7 @@ pub struct Route {
     pub length: f64,
 }
 
-/// Takes the open place with the shortest way so far.
+/// Removes and returns the open place with the shortest path so far.
 fn take_nearest(open: &mut Vec<usize>, length: &[f64]) -> Option<usize> {
     let by_length = |a: &usize, b: &usize| length[open[*a]].total_cmp(&length[open[*b]]);
     let place = (0..open.len()).min_by(by_length)?;

@@ -137,8 +137,8 @@ fn chance(rng: &mut impl Rng, probability: f64) -> bool {
     rng.random::<f64>() < probability
 }
 
-/// Width of the corridor, thickness of its walls, distance of its ends from the grid's border, width
-/// of a door \[m\].
+/// Width of the corridor, thickness of its walls, distance of its ends from the grid's border,
+/// width of a door \[m\].
 const CORRIDOR_WIDTH: f64 = 2.0;
 const CORRIDOR_WALL: f64 = 0.2;
 const CORRIDOR_MARGIN: f64 = 0.5;
@@ -150,8 +150,8 @@ const NICHE: [f64; 2] = [1.8, 0.6];
 
 /// A corridor 2 m wide along the whole grid, with closed doors on both sides.
 ///
-/// The doors come at one distance of 3.5 m to 5 m, so a robot sees how far it is from the walls
-/// but not which door it passes; only the ends, and up to three niches in place of doors, are unique.
+/// The doors come at one distance of 3.5 m to 5 m, so a robot sees how far it is from the walls but
+/// not which door it passes; only the ends, and up to three niches in place of doors, are unique.
 /// There are no landmarks.
 ///
 /// # Errors
@@ -276,8 +276,8 @@ pub fn soccer_field(settings: &WorldSettings) -> Result<World> {
     canvas.into_world("soccer-field", &marks)
 }
 
-/// Distance of the hall from the grid's border, thickness of its walls and of the walls in it, width
-/// of a door \[m\].
+/// Distance of the hall from the grid's border, thickness of its walls and of the walls in it,
+/// width of a door \[m\].
 const HALL_MARGIN: f64 = 0.5;
 const HALL_WALL: f64 = 0.3;
 const MIRROR: f64 = 0.1;
@@ -309,7 +309,8 @@ pub fn hall_of_mirrors(settings: &WorldSettings) -> Result<World> {
     canvas.into_world("hall-of-mirrors", &[])
 }
 
-/// A chamber in the lower-left corner, with a door in its upper wall; returns the box to keep clear.
+/// A chamber in the lower-left corner, with a door in its upper wall; returns the box to keep
+/// clear.
 fn add_chamber(canvas: &mut Canvas, hall: &Bounds, rng: &mut impl Rng) -> Bounds {
     let Point2 { coords: corner } = hall.min;
     if hall.width() < WITH_CHAMBERS[0] || hall.height() < WITH_CHAMBERS[1] {

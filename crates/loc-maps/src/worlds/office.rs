@@ -1,4 +1,4 @@
-//! An office floor: corridors, rooms along them, doors, furniture.
+//! An office floor: its plan of corridors, rooms and doors, and the furniture of the rooms.
 
 use super::canvas::{Canvas, Mark, bounds};
 use super::{World, WorldSettings, between, chance};
@@ -17,9 +17,9 @@ const PLATE_HEIGHT: f64 = 1.5;
 ///
 /// Corridors 2 m wide run along the building, a main one or more across them. Rooms of 3 m to 8 m,
 /// now and then an open-plan one, lie on both sides, each with a door of 0.9 m to 1.1 m, some with
-/// one to the next room. Desks, shelves, tables and round pillars leave a way of 0.8 m everywhere,
-/// so that every free cell can be reached from every other. Beside each door of a corridor hangs
-/// a plate at 1.5 m, which is a landmark.
+/// one to the next room. Desks, shelves, tables and round pillars leave a free width of 0.8 m
+/// everywhere, so that every free cell can be reached from every other. Beside each door of a
+/// corridor hangs a plate at 1.5 m, which is a landmark.
 ///
 /// Where there is no room for that, it gets simpler: below about 8 m one row of rooms along the
 /// corridor, below about 5 m a row of rooms without one, and in the end a single room.
@@ -47,8 +47,6 @@ pub fn office(settings: &WorldSettings) -> Result<World> {
     canvas.into_world("office", &plates.collect::<Vec<_>>())
 }
 
-// The plan of an office floor: where its corridors, rooms and doors are.
-
 const CORRIDOR: f64 = 2.0;
 const MAIN_CORRIDOR: f64 = 2.4;
 const DOOR: [f64; 2] = [0.9, 1.1];
@@ -56,10 +54,10 @@ const DOOR: [f64; 2] = [0.9, 1.1];
 const BAND: f64 = 13.0;
 /// Main corridors are about this far apart \[m\].
 const WING: f64 = 40.0;
-/// The least building with rooms on both sides of a corridor, and on one side \[m\].
+/// The smallest building with rooms on both sides of a corridor, and on one side \[m\].
 const BOTH_SIDES: f64 = 8.5;
 const ONE_SIDE: f64 = 5.2;
-/// The least width of a room, the greatest of an ordinary one, and of an open-plan one \[m\].
+/// The minimum width of a room, the maximum of an ordinary one, and of an open-plan one \[m\].
 const ROOM: [f64; 2] = [3.0, 6.5];
 const OPEN_PLAN: [f64; 2] = [8.0, 14.0];
 
@@ -213,14 +211,9 @@ fn shares(span: [f64; 2], count: f64, gap: f64, rng: &mut impl Rng) -> Vec<[f64;
     parts
 }
 
-// Furniture for a room, which leaves a way everywhere.
-//
-// A piece stands flush to a wall, in a corner, or at least [`GAP`] from each wall, and pieces are
-// at least that far from each other. So no piece ever closes off a part of the room.
-
-/// The narrowest way between two pieces \[m\].
+/// Minimum free width between two pieces of furniture \[m\].
 const GAP: f64 = 0.8;
-/// The least area of a room with pillars \[m^2\].
+/// The minimum area of a room with pillars \[m^2\].
 const WITH_PILLARS: f64 = 35.0;
 
 /// A piece of furniture, seen from above.
@@ -247,7 +240,10 @@ impl Piece {
     }
 }
 
-/// The furniture of a room: as much as finds a place in a number of trials that grows with it.
+/// The furniture of a room, drawn by a number of trials in proportion to the room's area.
+///
+/// A piece stands flush to a wall, in a corner, or at least [`GAP`] from each wall, and pieces are
+/// at least that far from each other, so no piece closes off a part of the room.
 pub(super) fn furnish(room: &Room, rng: &mut impl Rng) -> Vec<Piece> {
     let area = room.inside.width() * room.inside.height();
     let mut pieces = Vec::new();

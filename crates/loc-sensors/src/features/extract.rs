@@ -15,7 +15,7 @@ use std::ops::Range;
 ///
 /// Beams fall into runs at breakpoints; a run is split until each part is straight as far as
 /// noise and roughness can tell; neighbouring parts that are one wall are merged; beams about a
-/// corner go to the wall on whose side of it they are; each wall is fitted.
+/// corner are assigned to the wall on their side of it; each wall is fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -36,8 +36,8 @@ pub struct LineExtractor {
     pub min_points: usize,
     /// A wall must be this long \[m\].
     pub min_length: f64,
-    /// Its direction must be known this well \[rad\]: of stubs beyond a corner it is not clear
-    /// which beams are theirs, and their covariance would promise too much.
+    /// Its direction must be known this well \[rad\]: the beams of a short piece beyond a
+    /// corner are ambiguous, and its covariance would be overconfident.
     pub max_alpha_sigma: f64,
 }
 
@@ -104,8 +104,6 @@ impl Default for LineExtractor {
         }
     }
 }
-
-// Which beams may belong to one wall: breakpoints and split.
 
 /// Runs of beams without a gap: one ends where the next point is farther away than a wall could
 /// put it that the beam meets at the grazing angle (Borges and Aldon 2004).
@@ -185,8 +183,6 @@ fn farthest_from_chord(part: &[Hit]) -> usize {
     (1..last).max_by(|&a, &b| across(a).total_cmp(&across(b))).unwrap_or(1).max(1)
 }
 
-// Which parts of a scan are one wall: merge, adopt, corners.
-
 /// Makes walls of the straight parts of a scan, each a list of hits in the order of the beams.
 pub(super) fn assemble(
     hits: &[Hit],
@@ -196,10 +192,10 @@ pub(super) fn assemble(
     let (large, small): (Vec<_>, Vec<_>) =
         parts.iter().cloned().partition(|part| part.len() >= settings.min_points);
     let mut walls = merge(hits, &large, settings);
-    let mut loose: Vec<Hit> = small.into_iter().flat_map(|part| hits[part].to_vec()).collect();
-    dissolve(&mut walls, &mut loose, settings);
-    adopt(&mut walls, &loose, settings);
-    settle_corners(&mut walls);
+    let mut unassigned: Vec<Hit> = small.into_iter().flat_map(|part| hits[part].to_vec()).collect();
+    remove_corner_pieces(&mut walls, &mut unassigned, settings);
+    assign_points(&mut walls, &unassigned, settings);
+    reassign_corners(&mut walls);
     walls
 }
 
@@ -228,9 +224,13 @@ fn distance(a: Option<&Hit>, b: Option<&Hit>) -> f64 {
     a.zip(b).map_or(0.0, |(a, b)| nalgebra::distance(&a.point, &b.point))
 }
 
-/// Takes out a wall whose every point lies on one of its two neighbours: the split cut it out of
-/// a corner.
-fn dissolve(walls: &mut Vec<Vec<Hit>>, loose: &mut Vec<Hit>, settings: &LineExtractor) {
+/// Removes a wall whose points all lie on one of its two neighbours: an artefact of the split at a
+/// corner.
+fn remove_corner_pieces(
+    walls: &mut Vec<Vec<Hit>>,
+    unassigned: &mut Vec<Hit>,
+    settings: &LineExtractor,
+) {
     let mut k = 1;
     while k + 1 < walls.len() {
         let neighbours = [fit(&walls[k - 1]), fit(&walls[k + 1])];
@@ -238,20 +238,20 @@ fn dissolve(walls: &mut Vec<Vec<Hit>>, loose: &mut Vec<Hit>, settings: &LineExtr
         let explained = |hit: &Hit| neighbours.iter().flatten().any(|line| is_on(hit, line));
         let shorter = walls[k].len() < walls[k - 1].len().min(walls[k + 1].len());
         if shorter && walls[k].iter().all(explained) {
-            loose.extend(walls.remove(k));
+            unassigned.extend(walls.remove(k));
         } else {
             k += 1;
         }
     }
 }
 
-/// Gives loose points between two walls to the one they lie on, where they lengthen it by less
-/// than half.
-fn adopt(walls: &mut [Vec<Hit>], loose: &[Hit], settings: &LineExtractor) {
+/// Assigns points between two walls to the one they lie on, where they lengthen it by less than
+/// half.
+fn assign_points(walls: &mut [Vec<Hit>], unassigned: &[Hit], settings: &LineExtractor) {
     let lines: Vec<Option<Line>> = walls.iter().map(|wall| fit(wall)).collect();
     let firsts: Vec<usize> =
         walls.iter().map(|wall| wall.first().map_or(0, |hit| hit.beam.index)).collect();
-    for hit in loose {
+    for hit in unassigned {
         let after = firsts.partition_point(|first| *first < hit.beam.index);
         let near = |k: &usize| {
             let (first, last) = (walls[*k].first(), walls[*k].last());
@@ -271,10 +271,10 @@ fn adopt(walls: &mut [Vec<Hit>], loose: &[Hit], settings: &LineExtractor) {
     }
 }
 
-/// Gives the beams about a corner to the wall on whose side of it they are. The split took the
-/// point that noise put farthest out; the crossing of both lines, which hundreds of beams
-/// determine, is free of that choice.
-fn settle_corners(walls: &mut [Vec<Hit>]) {
+/// Assigns the beams about a corner to the wall on their side of it. The split uses the single
+/// point that noise put farthest out; the intersection of both lines, which hundreds of beams
+/// determine, does not depend on it.
+fn reassign_corners(walls: &mut [Vec<Hit>]) {
     for k in 1..walls.len() {
         let (before, after) = walls.split_at_mut(k);
         let (Some(left), Some(right)) = (before.last_mut(), after.first_mut()) else { continue };

@@ -77,14 +77,6 @@ impl Line {
     }
 }
 
-// Weighted total least squares.
-//
-// A beam errs along its own direction, so that a point is off its wall by the range's error times
-// the cosine of the angle of incidence, and by the angle's error times range and sine. The fit
-// weights each point by the inverse of that variance (Pfister, Roumeliotis and Burdick 2003), which
-// depends on the line itself: a few rounds settle it, and a last step takes the bias out. The
-// covariance is the inverse of the information that all points hold on (r, alpha).
-
 /// A beam with what the fit needs of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hit {
@@ -95,8 +87,8 @@ pub(super) struct Hit {
     pub(super) wall_variance: f64,
 }
 
-/// No wall is smoother, so that perfect ranges have a weight \[m\].
-const SMOOTHEST: f64 = 1e-6;
+/// Lower bound of the roughness of a wall, so that perfect ranges have a finite weight \[m\].
+const MIN_ROUGHNESS: f64 = 1e-6;
 
 impl Hit {
     pub(super) fn new(beam: Beam, settings: &LineExtractor) -> Self {
@@ -105,7 +97,7 @@ impl Hit {
             point: beam.point(),
             range_variance: settings.noise.sigma_at(beam.range).powi(2),
             angle_variance: settings.angle_sigma.powi(2),
-            wall_variance: settings.roughness.max(SMOOTHEST).powi(2),
+            wall_variance: settings.roughness.max(MIN_ROUGHNESS).powi(2),
         }
     }
 
@@ -125,10 +117,17 @@ impl Hit {
     }
 }
 
-/// Rounds of reweighting; two change the third digit of a standard deviation no more.
+/// Iterations of reweighting; after two the third digit of a standard deviation is final.
 const ROUNDS: usize = 2;
 
-/// The line that fits best; `None` for fewer than two points, or points in one place.
+/// The line of the weighted total least squares; `None` for fewer than two points, or points in one
+/// place.
+///
+/// The distance of a point from its wall has the range's error times the cosine of the angle of
+/// incidence, and the angle's error times range and sine. The fit weights each point by the inverse
+/// of that variance (Pfister, Roumeliotis and Burdick 2003), which depends on the line itself: a
+/// few iterations converge, and [`refined`] removes the remaining bias. The covariance is the
+/// inverse of the information of all points about (r, alpha).
 pub(super) fn fit(hits: &[Hit]) -> Option<Line> {
     let (mut r, mut alpha) = weighted(hits, |_| 1.0)?;
     for _ in 0..ROUNDS {
@@ -138,7 +137,7 @@ pub(super) fn fit(hits: &[Hit]) -> Option<Line> {
     line(hits, r, alpha)
 }
 
-/// The same without the fit's bias, for walls that are settled.
+/// The same without the fit's bias, for the final walls.
 ///
 /// The weights were held while the line turned, but a point's noise turns with its beam; that
 /// pulls the line by an order of noise squared. Two Gauss-Newton steps on the likelihood of the
@@ -183,7 +182,7 @@ fn weighted(hits: &[Hit], weight: impl Fn(&Hit) -> f64) -> Option<(f64, f64)> {
     (hits.len() >= 2 && spread > 0.0 && spread.is_finite()).then_some((x * cos + y * sin, alpha))
 }
 
-/// What all points say of (r, alpha): the normal equations about a line.
+/// The information of all points about (r, alpha): the normal equations at a line.
 struct Information {
     matrix: Matrix2<f64>,
     gradient: Vector2<f64>,

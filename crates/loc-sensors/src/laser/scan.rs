@@ -160,5 +160,3 @@ impl LaserScan {
         })
     }
 }
-
-// Taking the scanner's own motion out of a scan.

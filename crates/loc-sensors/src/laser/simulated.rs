@@ -1,4 +1,4 @@
-//! The simulated scanner.
+//! The simulated scanner: ray casting, glass and mirrors, noise and faults.
 
 use super::{LaserFaults, LaserScan, LaserSpec};
 use crate::Result;
@@ -18,7 +18,7 @@ pub struct LaserScanner {
     pub mounting: Pose2,
     /// Its data sheet.
     pub spec: LaserSpec,
-    /// What goes wrong with single beams.
+    /// Faults of single beams.
     pub faults: LaserFaults,
 }
 
@@ -95,17 +95,17 @@ impl LaserScanner {
         spec.scan((0..self.beams()).map(measure).collect())
     }
 
-    /// Number of beams, within reason even where nobody has checked the settings.
+    /// Number of beams, limited even where the settings were not checked.
     fn beams(&self) -> usize {
         self.spec.beams.min(LaserScan::MAX_BEAMS)
     }
 
-    /// How far to look: noise may bring what is a little out of range into it.
+    /// Range of the ray casting: noise may bring a surface slightly beyond the maximum into range.
     fn reach(&self) -> f64 {
         self.spec.range_max + 5.0 * self.spec.noise.sigma_at(self.spec.range_max)
     }
 
-    /// What the scanner says of a true distance \[m\], +inf for none.
+    /// The reported range for a true distance \[m\], +inf for none.
     ///
     /// Draws one fault and one error for every beam, whether they matter or not.
     fn report<R: Rng + ?Sized>(&self, distance: f64, rng: &mut R) -> f64 {
@@ -133,12 +133,10 @@ impl LaserScanner {
     }
 }
 
-// What light does on its way: glass and mirrors.
-
-/// Between two mirrors a beam runs back and forth; after this many panes it is lost.
+/// Number of panes after which a beam counts as lost, as between two mirrors.
 const MAX_PANES: usize = 16;
 
-/// Length of the way \[m\] that a beam takes through the panes of a world until it returns, +inf
+/// Length of the path \[m\] that a beam takes through the panes of a world until it returns, +inf
 /// where it does not within `reach`. `wall` is the distance to the first wall without them.
 pub(super) fn through_panes<R: Rng + ?Sized>(
     world: &(impl RangeWorld + ?Sized),

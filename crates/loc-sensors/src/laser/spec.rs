@@ -1,4 +1,4 @@
-//! What a data sheet says of a scanner.
+//! The data sheet of a scanner: angles, ranges, timing, noise; and faults of single beams.
 
 use super::LaserScan;
 use crate::Result;
@@ -47,7 +47,7 @@ impl LaserSpec {
         LaserSpec { rate: 50.0, angle_increment, beams, ..LaserSpec::sick_lms100() }
     }
 
-    /// Hokuyo UST-10LX: 1081 beams over 270 deg at 40 Hz, 0.06 m to 10 m. The data sheet promises
+    /// Hokuyo UST-10LX: 1081 beams over 270 deg at 40 Hz, 0.06 m to 10 m. The data sheet states
     /// a repeated accuracy of sigma < 30 mm; that bound is the noise here, single devices are
     /// better.
     pub fn hokuyo_ust_10lx() -> Self {
@@ -60,8 +60,8 @@ impl LaserSpec {
         }
     }
 
-    /// A perfect scanner with `fov_deg` to look at in steps of `step_deg`, straight ahead in the
-    /// middle; 20 Hz, up to 30 m.
+    /// A perfect scanner with a field of view of `fov_deg` in steps of `step_deg`, straight ahead
+    /// in the middle; 20 Hz, up to 30 m.
     fn centered(fov_deg: f64, step_deg: f64) -> Self {
         LaserSpec {
             angle_min: -0.5 * fov_deg.to_radians(),
@@ -127,8 +127,6 @@ impl Default for LaserSpec {
     }
 }
 
-// How far a range may be off, and what else goes wrong with beams.
-
 /// Normal errors of the range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -160,7 +158,7 @@ impl LaserNoise {
     }
 }
 
-/// What goes wrong with single beams, each with a probability. [`LaserFaults::NONE`] is a scanner
+/// Faults of single beams, each with a probability. [`LaserFaults::NONE`] is a scanner
 /// in a clean room.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -170,7 +168,7 @@ pub struct LaserFaults {
     pub dropout: f64,
     /// The scanner reports an error (sunlight): NaN.
     pub erroneous: f64,
-    /// Something that is on no map stands in the way (a person): any shorter range.
+    /// An obstacle that is not on the map blocks the beam (a person): any shorter range.
     pub short: f64,
 }
 

@@ -37,7 +37,7 @@ impl DepthCameraSpec {
 
     /// Asus Xtion PRO: 640 x 480 at 30 Hz, 58 x 45 deg, 0.8 m to 3.5 m.
     ///
-    /// The data sheet is silent on errors. The design is that of the Kinect: base 75 mm, disparity
+    /// The data sheet gives no errors. The design is that of the Kinect: base 75 mm, disparity
     /// in eighths of a pixel, half of one as its standard deviation after rounding (Khoshelham and
     /// Elberink 2012), which makes 6 mm at 2 m and 18 mm at 3.5 m.
     pub fn xtion_pro() -> Self {
@@ -118,8 +118,6 @@ fn slopes(pixels: usize, fov: f64) -> Vec<f64> {
         .map(|k| (1.0 - (k as f64 + 0.5) / half) * edge)
         .collect()
 }
-
-// How far a depth may be off.
 
 /// Errors of the disparity, from which those of the depth follow:
 /// `sigma_z = z^2 / (f b) sigma_disparity` with focal length f and base b (Khoshelham and Elberink

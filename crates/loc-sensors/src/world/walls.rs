@@ -1,6 +1,6 @@
 //! Walls with heights and colours, for cameras.
 
-use super::{LandmarkWorld, RangeWorld};
+use super::RangeWorld;
 use crate::Result;
 use loc_core::error::positive;
 use nalgebra::Point2;
@@ -90,8 +90,8 @@ impl<W: RangeWorld> WallWorld for Extruded<W> {
     }
 }
 
-/// Several worlds in one place, such as high walls and low furniture: they hide one another by
-/// distance and height.
+/// Several worlds in one place, such as high walls and low furniture: they occlude one another
+/// by distance and height.
 impl WallWorld for [&dyn WallWorld] {
     fn visit_walls(
         &self,
@@ -117,32 +117,5 @@ impl WallWorld for [&dyn WallWorld] {
 
     fn floor_color(&self) -> Rgb {
         self.first().map_or([120, 110, 100], |world| world.floor_color())
-    }
-}
-
-// The smallest world with landmarks.
-
-/// A list of numbered landmarks.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Landmarks(Vec<(u32, Point2<f64>)>);
-
-impl<const K: usize> From<[(u32, [f64; 2]); K]> for Landmarks {
-    fn from(landmarks: [(u32, [f64; 2]); K]) -> Self {
-        Landmarks(landmarks.into_iter().map(|(id, xy)| (id, Point2::from(xy))).collect())
-    }
-}
-
-impl LandmarkWorld for Landmarks {
-    fn visit_landmarks(
-        &self,
-        center: &Point2<f64>,
-        radius: f64,
-        visit: &mut dyn FnMut(u32, Point2<f64>),
-    ) {
-        for (id, position) in &self.0 {
-            if nalgebra::distance(center, position) <= radius {
-                visit(*id, *position);
-            }
-        }
     }
 }

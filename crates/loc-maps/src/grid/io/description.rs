@@ -1,4 +1,5 @@
-//! The YAML file of a map: where the image lies and what its grey values mean.
+//! The YAML file of a map: the position of the image, and the conversion between its grey values
+//! and occupancies.
 //!
 //! ```
 //! use loc_maps::grid::io::{MapDescription, Mode};
@@ -17,7 +18,7 @@ use loc_core::Pose2;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// What the YAML file of a map says.
+/// The content of the YAML file of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapDescription {
     /// The image, relative to the folder of the YAML file.
@@ -177,11 +178,9 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-// From grey values to occupancies, and back.
-
 /// The occupancies of an image, bottom row first.
 pub(super) fn occupancies(raster: &Raster, description: &MapDescription) -> Vec<i8> {
-    // Every grey value is judged once; the pixels then look up.
+    // Every grey value is converted once; the pixels are looked up.
     let table: Vec<i8> =
         (0..=raster.white).map(|sample| occupancy(sample, raster.white, description)).collect();
     let look_up = |sample: usize| table.get(sample).copied().unwrap_or(UNKNOWN);

@@ -9,8 +9,8 @@ use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 use std::io::Cursor;
 use std::path::Path;
 
-/// How much larger than its file an image can be: deflate gives at most 1032 bytes for one.
-const LARGEST_EXPANSION: usize = 1032;
+/// Largest ratio of an image to its file: deflate gives at most 1032 bytes for one.
+const MAX_EXPANSION: usize = 1032;
 
 /// Grey values, the top row first.
 #[derive(Debug)]
@@ -48,8 +48,8 @@ fn check_size(file: &Path, width: u64, height: u64, bytes: usize) -> Result<()> 
     if pixels == 0 || pixels > MAX_CELLS as u64 {
         return Err(wrong(file, "image size", "1 to 2^28 pixels", &found));
     }
-    // One bit is the least that a pixel takes.
-    if pixels / 8 > bytes.saturating_mul(LARGEST_EXPANSION) as u64 {
+    // A pixel takes at least one bit.
+    if pixels / 8 > bytes.saturating_mul(MAX_EXPANSION) as u64 {
         return Err(too_short(file, &format!("the pixels of {found}"), bytes));
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Reading and writing maps: ROS's map_server, a YAML file beside an image, and the map of the
 //! Wean Hall recordings (`wean.dat`), which is only read.
 //!
-//! The image is the floor plan, dark where something stands, its top row the farthest from the
+//! The image is the floor plan, dark where obstacles are, its top row the farthest from the
 //! origin; the YAML file says how large a pixel is, where the lower-left corner of the image lies
 //! in the map, and how grey values become occupancies. PGM, PNG and BMP are read and written, and
 //! any of them may be gzipped (`map.pgm.gz`, named with or without the `.gz` in the YAML file).

@@ -1,4 +1,4 @@
-//! What is to be known of one region: its middle, its width, its kind, the ways to its doors.
+//! Measurements of one region: centre, width, kind, outline, and the paths to its doors.
 
 use super::regions::{NONE, Passage};
 use super::{ExtractSettings, Floor, PlaceKind, around};
@@ -11,19 +11,19 @@ use std::collections::{BinaryHeap, HashMap};
 /// Steps from cell to cell and across a corner, in units whose ratio is the root of 2.
 const STEPS: [u32; 2] = [70, 99];
 
-/// What a cell far from all walls costs, and what the cells beside a wall cost more.
-const PLAIN: u32 = 10;
-const WALLS: u32 = 100;
+/// Cost of a cell far from all walls, and the additional cost of cells beside a wall.
+const BASE_COST: u32 = 10;
+const WALL_COST: u32 = 100;
 
-/// Middles have at least this share of the greatest clearance of their region.
-const ROOMY: f64 = 0.8;
+/// Minimum clearance of a centre, as a share of the largest clearance of its region.
+const MIN_CENTER_CLEARANCE: f64 = 0.8;
 
 /// A region, measured.
 pub(super) struct Inside {
-    /// A roomy cell near its middle.
+    /// A cell with large clearance near its centre.
     pub(super) center: Cell,
-    /// The ways from there to its passages, by their numbers: points between both \[m\].
-    pub(super) ways: HashMap<usize, Vec<Point2<f64>>>,
+    /// The paths from there to its passages, by their numbers: points between both \[m\].
+    pub(super) paths: HashMap<usize, Vec<Point2<f64>>>,
     pub(super) outline: Vec<Point2<f64>>,
     clearance: u32,
     /// Its length divided by its mean width.
@@ -37,7 +37,7 @@ impl Inside {
     }
 
     pub(super) fn kind(&self, settings: &ExtractSettings) -> PlaceKind {
-        let leads_on = self.ways.len() >= 2;
+        let leads_on = self.paths.len() >= 2;
         let long = self.elongation >= settings.elongation;
         if leads_on && long { PlaceKind::Corridor } else { PlaceKind::Room }
     }
@@ -70,29 +70,30 @@ fn inside(
     let width = floor.frame.width();
     let clearance = cells.iter().map(|&index| floor.clearance[index]).max().unwrap_or(0);
     let center = center(floor, cells, clearance);
-    // Once along the middle of the floor, for ways that look like ways, then from the end that is
-    // farthest straight, for the length.
+    // First with costs near walls, for paths along the middle of the floor; then from the farthest
+    // cell without them, for the length.
     let farthest = |far: &[u32]| cells.iter().copied().max_by_key(|&index| (far[index], index));
-    walk_costs(floor, labels, region, center, WALLS, far);
+    walk_costs(floor, labels, region, center, WALL_COST, far);
     let own = passages.iter().enumerate().filter(|(_, p)| p.between.contains(&region));
-    let ways = own.map(|(number, p)| (number, way(floor, labels, region, p.cell, far))).collect();
+    let paths =
+        own.map(|(number, p)| (number, path_to(floor, labels, region, p.cell, far))).collect();
     let end = farthest(far).unwrap_or(center);
     cells.iter().for_each(|&index| far[index] = u32::MAX);
     walk_costs(floor, labels, region, end, 0, far);
     let length = farthest(far).map_or(0.0, |index| f64::from(far[index]));
-    let length = length / f64::from(STEPS[0] * PLAIN);
+    let length = length / f64::from(STEPS[0] * BASE_COST);
     Inside {
         center: Cell::new(center % width, center / width),
-        ways,
+        paths,
         outline: trace(floor, labels, region, cells),
         clearance,
         elongation: length * length / cells.len().max(1) as f64,
     }
 }
 
-/// The way from the middle of a region to the cell of a passage, down from step to step and then
-/// turned round: the points between both.
-fn way(
+/// The path from the centre of a region to the cell of a passage, traced back along decreasing
+/// costs and then reversed: the points between both.
+fn path_to(
     floor: &Floor,
     labels: &[usize],
     region: usize,
@@ -112,10 +113,10 @@ fn way(
         (at, steps) = (next, far[next]);
         cells.push(place(at));
     }
-    let mut way = straightened(&cells);
-    way.reverse();
-    let between = way.len().saturating_sub(1).max(1);
-    let centers = way.get(1..between).unwrap_or_default().iter();
+    let mut path = straightened(&cells);
+    path.reverse();
+    let between = path.len().saturating_sub(1).max(1);
+    let centers = path.get(1..between).unwrap_or_default().iter();
     centers.map(|p| floor.frame.to_map(p.x + 0.5, p.y + 0.5)).collect()
 }
 
@@ -127,7 +128,7 @@ fn center(floor: &Floor, cells: &[usize], clearance: u32) -> usize {
     };
     let sum: nalgebra::Vector2<f64> = cells.iter().map(|&index| place(index).coords).sum();
     let mean = Point2::from(sum / cells.len().max(1) as f64);
-    let roomy = f64::from(clearance) * ROOMY * ROOMY;
+    let roomy = f64::from(clearance) * MIN_CENTER_CLEARANCE * MIN_CENTER_CLEARANCE;
     let rank = |index: usize| {
         let stands = floor.furnished[index] > floor.robot;
         (!stands, f64::from(floor.clearance[index]) < roomy)
@@ -137,8 +138,8 @@ fn center(floor: &Floor, cells: &[usize], clearance: u32) -> usize {
     cells.iter().min_by(order).copied().unwrap_or(0)
 }
 
-/// The costs of the ways from one cell to all others of its region (Dijkstra): [`STEPS`] times
-/// [`PLAIN`], and more near walls.
+/// The costs of the paths from one cell to all others of its region (Dijkstra): [`STEPS`] times
+/// [`BASE_COST`], and more near walls.
 fn walk_costs(
     floor: &Floor,
     labels: &[usize],
@@ -156,7 +157,7 @@ fn walk_costs(
         }
         for other in around(index, width, height).filter(|&other| labels[other] == region) {
             let across = other % width != index % width && other / width != index / width;
-            let cost = PLAIN + walls_cost(walls, floor.furnished[other]);
+            let cost = BASE_COST + wall_cost(walls, floor.furnished[other]);
             let steps = steps.saturating_add(STEPS[usize::from(across)] * cost);
             if steps < far[other] {
                 far[other] = steps;
@@ -166,12 +167,11 @@ fn walk_costs(
     }
 }
 
-/// What a cell costs more: `walls` divided by its clearance, and a lot under furniture.
-fn walls_cost(walls: u32, squared_clearance: u32) -> u32 {
+/// Additional cost of a cell: `walls` divided by its clearance, and ten times `walls` under
+/// furniture.
+fn wall_cost(walls: u32, squared_clearance: u32) -> u32 {
     walls.checked_div(squared_clearance.isqrt()).unwrap_or(10 * walls)
 }
-
-// The outline of a region as a polygon.
 
 /// Corners that lie off the polygon by less than this are left out \[cells\].
 const TOLERANCE: f64 = 1.5;
@@ -182,7 +182,7 @@ const AREA: f64 = 0.2;
 type Corner = (isize, isize);
 
 /// East, north, west, south.
-const WAYS: [Corner; 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
+const DIRECTIONS: [Corner; 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
 /// The outer outline of a region in the map \[m\], counter-clockwise.
 pub(super) fn trace(
@@ -214,29 +214,29 @@ fn area(points: &[Point2<f64>]) -> f64 {
     points.iter().zip(next).map(|(a, b)| 0.5 * a.coords.perp(&b.coords)).sum()
 }
 
-/// Walks along the border with the region on the left, from the lower-left corner of its first
+/// Follows the border with the region on the left, from the lower-left corner of its first
 /// cell eastwards, back to there.
 fn follow_border(start: Corner, inside: impl Fn(Corner) -> bool) -> Vec<Corner> {
-    let (mut at, mut way) = (start, 0);
+    let (mut at, mut heading) = (start, 0);
     let mut corners = Vec::new();
     loop {
         corners.push(at);
-        let (dx, dy) = WAYS[way];
+        let (dx, dy) = DIRECTIONS[heading];
         at = (at.0 + dx, at.1 + dy);
-        // The cells ahead, right and left of the way.
+        // The cells ahead, right and left of the direction.
         let cell = |(dx, dy): Corner, (lx, ly): Corner, side: isize| {
             let twice = (dx + side * lx - 1, dy + side * ly - 1);
             (at.0 + twice.0.div_euclid(2), at.1 + twice.1.div_euclid(2))
         };
-        let left = WAYS[(way + 1) % 4];
-        way = if inside(cell((dx, dy), left, -1)) {
-            (way + 3) % 4
+        let left = DIRECTIONS[(heading + 1) % 4];
+        heading = if inside(cell((dx, dy), left, -1)) {
+            (heading + 3) % 4
         } else if inside(cell((dx, dy), left, 1)) {
-            way
+            heading
         } else {
-            (way + 1) % 4
+            (heading + 1) % 4
         };
-        if at == start && way == 0 {
+        if at == start && heading == 0 {
             return corners;
         }
     }
@@ -258,7 +258,7 @@ fn simplified(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
     kept
 }
 
-/// The way from the first point to the last with fewer corners, both ends kept (Douglas and
+/// The polyline from the first point to the last with fewer corners, both ends kept (Douglas and
 /// Peucker 1973).
 pub(super) fn straightened(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
     let last = points.len().saturating_sub(1);

@@ -1,17 +1,17 @@
 //! Places found in an occupancy grid: rooms, corridors, and the doors between them.
 //!
-//! Think of the free floor as a landscape in which the distance to the nearest wall is the depth.
-//! Rooms are basins, doors the shallow thresholds between them. Water let in at the deepest points
-//! rises; where two basins meet, they become one, unless the threshold is as narrow as a door and
-//! clearly narrower than what lies on both sides (a watershed on the distance transform).
+//! A watershed on the distance transform of the free floor: the distance to the nearest wall is the
+//! depth, rooms are basins, doors the shallow thresholds between them. The floor is flooded from
+//! the deepest points; where two basins meet, they are merged, unless the threshold is as narrow as
+//! a door and clearly narrower than both sides.
 //!
-//! Before that, furniture (small islands) is taken away, and so is free space too narrow for a
-//! robot, like beams that left through a window.
+//! Before that, furniture (small islands) is removed, and so is free space too narrow for a robot,
+//! such as beams that left through a window.
 
 mod inside;
 mod regions;
 
-use super::{Edge, Place, PlaceKind, TopologicalMap, way_length};
+use super::{Edge, Place, PlaceKind, TopologicalMap, path_length};
 use crate::grid::{GridFrame, Occupancy, OccupancyGrid};
 use crate::{DistanceMap, Result};
 use inside::Inside;
@@ -19,7 +19,7 @@ use loc_core::error::{non_negative, positive, probability};
 use regions::{NONE, Passage, renumber};
 use std::collections::BTreeMap;
 
-/// What counts as a room and what as a door.
+/// Criteria for rooms, corridors and doors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExtractSettings {
     /// Widest door \[m\]; wider passages join two parts of one place.
@@ -29,9 +29,9 @@ pub struct ExtractSettings {
     /// Two places joined by several passages are one if these make up more than this share of the
     /// wall between the outermost of them, in \[0, 1\].
     pub openness: f64,
-    /// Least width of a place \[m\]; what is narrower belongs to its neighbour.
+    /// Minimum width of a place \[m\]; what is narrower belongs to its neighbour.
     pub min_width: f64,
-    /// Least area of a place \[m^2\]; what is smaller belongs to its neighbour.
+    /// Minimum area of a place \[m^2\]; what is smaller belongs to its neighbour.
     pub min_area: f64,
     /// Longest side of an obstacle that is furniture \[m\]: standing alone, it divides no room.
     pub max_clutter: f64,
@@ -63,8 +63,8 @@ impl ExtractSettings {
         positive("widest door [m]", self.max_door_width)?;
         probability("narrowing of a door", self.narrowing)?;
         probability("openness of a wall", self.openness)?;
-        non_negative("least width of a place [m]", self.min_width)?;
-        non_negative("least area of a place [m^2]", self.min_area)?;
+        non_negative("minimum width of a place [m]", self.min_width)?;
+        non_negative("minimum area of a place [m^2]", self.min_area)?;
         non_negative("largest furniture [m]", self.max_clutter)?;
         non_negative("radius of the robot [m]", self.robot_radius)?;
         non_negative("elongation of a corridor", self.elongation)?;
@@ -92,7 +92,7 @@ impl TopologicalMap {
     }
 }
 
-/// Names everything and joins it.
+/// Builds the map: names the places and joins them by edges.
 fn assemble(
     floor: &Floor,
     regions: &[Inside],
@@ -118,23 +118,21 @@ fn assemble(
         let door = places.len();
         places.push(Place { name, kind: PlaceKind::Door, position, width, outline: Vec::new() });
         for region in passage.between {
-            let via = regions[region].ways.get(&number).cloned().unwrap_or_default();
+            let via = regions[region].paths.get(&number).cloned().unwrap_or_default();
             let ends = [places[region].position, position];
-            let way = [ends[0]].into_iter().chain(via.iter().copied()).chain([ends[1]]);
-            edges.push(Edge { between: [region, door], length: way_length(way), via });
+            let path = [ends[0]].into_iter().chain(via.iter().copied()).chain([ends[1]]);
+            edges.push(Edge { between: [region, door], length: path_length(path), via });
         }
     }
     TopologicalMap::new(places, edges)
 }
 
-// The floor on which a robot can move, and how much room it has there.
-
-/// The clearance of every cell.
+/// The floor on which a robot can move, with the clearance of every cell.
 struct Floor {
     frame: GridFrame,
     /// Squared distance to the nearest cell that is no floor \[cells^2\], 0 there.
     clearance: Vec<u32>,
-    /// The same with the furniture still there.
+    /// The same with the furniture in place.
     furnished: Vec<u32>,
     /// Squared radius of the robot \[cells^2\].
     robot: u32,
@@ -193,8 +191,6 @@ fn distances(frame: GridFrame, mask: &[bool], value: bool) -> Result<Vec<u32>> {
     Ok(DistanceMap::new(&grid, f64::INFINITY)?.squared().to_vec())
 }
 
-// Taking furniture away.
-
 /// Which cells are floor: the free ones, and islands of others
 /// that are at most `longest` cells long and wide.
 fn without_clutter(grid: &OccupancyGrid, longest: f64) -> Vec<bool> {
@@ -247,12 +243,11 @@ fn around(index: usize, width: usize, height: usize) -> impl Iterator<Item = usi
     cells.filter(move |&other| other != index)
 }
 
-// Places that furniture seems to divide: a row of cupboards leaves gaps that look like doors.
-
-/// Rounds of joining, at most: every round joins all that it finds.
+/// Maximum number of rounds of joining.
 const ROUNDS: usize = 10;
 
-/// Joins regions between which there is more gap than `settings.openness` allows.
+/// Joins regions between which there is more gap than `settings.openness` allows: furniture seems
+/// to divide a place, as a row of cupboards leaves gaps that look like doors.
 fn join_open(floor: &Floor, settings: &ExtractSettings, labels: &mut [usize]) {
     for _ in 0..ROUNDS {
         let mut gaps: BTreeMap<[usize; 2], Vec<Passage>> = BTreeMap::new();

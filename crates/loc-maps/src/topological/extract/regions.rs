@@ -1,4 +1,4 @@
-//! The watershed: which cells of the floor belong together.
+//! The watershed: the regions of the floor, and the passages between them.
 
 use super::{ExtractSettings, Floor, around};
 use crate::grid::Cell;
@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, HashMap};
 /// The label of cells that belong to no region.
 pub(super) const NONE: usize = usize::MAX;
 
-/// Basins that rise and merge.
+/// Basins of the watershed (a union-find forest).
 struct Basins {
     /// Each basin's parent; roots are their own.
     parent: Vec<usize>,
@@ -24,7 +24,7 @@ impl Basins {
         basin
     }
 
-    /// Lets the shallower of two roots become part of the deeper.
+    /// Merges the shallower of two roots into the deeper.
     fn merge(&mut self, a: usize, b: usize) {
         let (deep, shallow) = if self.depth[a] >= self.depth[b] { (a, b) } else { (b, a) };
         self.parent[shallow] = deep;
@@ -156,9 +156,7 @@ fn join(contacts: &mut Contacts, a: usize, b: usize, clearance: u32) {
     }
 }
 
-// Where regions meet.
-
-/// Two doors are at least this many times the width of the widest door apart.
+/// Minimum distance of two doors, as a multiple of the width of the widest door.
 const APART: f64 = 1.5;
 
 /// A place at which two regions meet.
@@ -181,7 +179,7 @@ impl Passage {
 /// All passages, in order of the regions that they join and then from the bottom up.
 ///
 /// The cells at which two regions touch fall into connected groups: two rooms may have two doors.
-/// Those hardly more than a door's width apart are one, which something stands in: the widest
+/// Groups hardly more than a door's width apart are one passage with an obstacle in it: the widest
 /// counts.
 pub(super) fn between(floor: &Floor, labels: &[usize], settings: &ExtractSettings) -> Vec<Passage> {
     let (width, height) = (floor.frame.width(), floor.frame.height());
