@@ -1,7 +1,7 @@
 //! Angles in radians: wrapping, differences and circular means.
 //!
 //! An angle and the same angle plus a full turn are one direction. Everything here works on the
-//! representative in (-pi, pi], so that a heading error of 359 degrees is seen as one of -1 degree.
+//! representative in (-pi, pi], so that a heading error of 359 degrees counts as one of -1 degree.
 //!
 //! ```
 //! use loc_core::angle;

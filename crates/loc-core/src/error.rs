@@ -13,7 +13,7 @@ pub enum Error {
         what: &'static str,
         /// The values that are allowed.
         expected: &'static str,
-        /// The value that came.
+        /// The value found.
         found: f64,
     },
     /// A covariance is not symmetric positive (semi-)definite, or not finite.
@@ -23,7 +23,7 @@ pub enum Error {
         what: &'static str,
         /// `symmetric positive definite`, or `.. semi-definite`.
         expected: &'static str,
-        /// The matrix that came, printed in one line.
+        /// The matrix found, printed in one line.
         found: String,
     },
     /// A collection has the wrong number of elements.
@@ -33,7 +33,7 @@ pub enum Error {
         what: &'static str,
         /// The lengths that are allowed.
         expected: &'static str,
-        /// The length that came.
+        /// The length found.
         found: usize,
     },
     /// A motion that the drive cannot make (a car that slides sideways).
@@ -41,7 +41,7 @@ pub enum Error {
     ImpossibleMotion {
         /// The kind of drive.
         drive: &'static str,
-        /// The motion that was asked for.
+        /// The requested motion.
         motion: String,
     },
     /// Time runs backwards where it must not.
@@ -54,7 +54,7 @@ pub enum Error {
         /// The stamp that follows it \[s\].
         after: f64,
     },
-    /// A conclusion is asked for from an event that cannot happen.
+    /// Conditioning on an event of probability 0.
     #[error("{what}: the evidence has probability 0, so nothing follows from it")]
     ImpossibleEvidence {
         /// What was to be concluded.
@@ -65,7 +65,7 @@ pub enum Error {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A text file does not hold what it must.
@@ -77,9 +77,9 @@ pub enum Error {
         line: usize,
         /// The column's name.
         field: String,
-        /// What belongs there.
+        /// The expected content of the field.
         expected: String,
-        /// What stands there.
+        /// The text found.
         found: String,
     },
     /// A file holds no data at all.
@@ -87,7 +87,7 @@ pub enum Error {
     Empty {
         /// The file.
         file: PathBuf,
-        /// What was looked for.
+        /// The expected content.
         what: &'static str,
     },
 }

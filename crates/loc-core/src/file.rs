@@ -1,13 +1,13 @@
-//! Writing files so that a reader never meets half of one.
+//! Atomic writing of files: a reader never sees a partial one.
 
 use crate::{Error, Result};
 use std::fs;
 use std::path::Path;
 
-/// Writes a file whole or not at all: into a neighbour first, which then takes its place.
+/// Writes a file atomically: into a temporary file beside it, which is then renamed.
 ///
 /// # Errors
-/// [`Error::Io`] with the path; what stood there before is left as it was.
+/// [`Error::Io`] with the path; an existing file is then unchanged.
 pub fn write_whole(path: impl AsRef<Path>, contents: impl AsRef<[u8]>) -> Result<()> {
     let path = path.as_ref();
     write_beside(path, |part| {
@@ -15,8 +15,8 @@ pub fn write_whole(path: impl AsRef<Path>, contents: impl AsRef<[u8]>) -> Result
     })
 }
 
-/// Lets `write` fill a file beside `path`, which takes its place only once that has succeeded: a
-/// reader never sees half of it. What is no file, such as a pipe or a device, is written itself.
+/// Lets `write` fill a temporary file beside `path`, which is renamed to `path` on success: a
+/// reader never sees a partial file. A pipe or a device is written directly.
 ///
 /// # Errors
 /// Those of `write`, and [`Error::Io`]; the file is then as it was.
@@ -36,14 +36,14 @@ pub fn write_beside<T, E: From<Error>>(
         Ok(value)
     });
     if written.is_err() {
-        // The neighbour may not even exist; the first error is the one to tell.
+        // The temporary file may not exist; the first error is the one to report.
         let _ = fs::remove_file(&part);
     }
     written
 }
 
 /// Makes a folder, with those above it, and lets `fill` write into it. Where that fails, folders
-/// that were made for it and are empty are taken away again.
+/// that were made for it and are empty are removed again.
 ///
 /// # Errors
 /// Those of `fill`, and [`Error::Io`] for a folder that cannot be made.

@@ -3,11 +3,9 @@
 pub mod angle;
 pub mod error;
 pub mod file;
-pub mod frames;
 pub mod gaussian;
 pub mod kinematics;
 pub mod motion;
-pub mod normal;
 pub mod pose;
 pub mod probability;
 pub mod random;
@@ -17,9 +15,8 @@ pub mod table;
 pub mod trajectory;
 
 pub use error::{Error, Result};
-pub use gaussian::{Ellipse, Gaussian};
+pub use gaussian::{Ellipse, Gaussian, Normal};
 pub use motion::Twist2;
-pub use normal::Normal;
 pub use pose::Pose2;
 pub use trajectory::{Stamped, Trajectory};
 

@@ -1,6 +1,6 @@
 //! Reproducible randomness: one seed, separate named streams.
 //!
-//! A simulated world, its sensors and each filter draw from streams of their own, so that
+//! A simulated world, its sensors and each filter draw from their own streams, so that
 //! changing how many numbers one of them draws never changes what the others see.
 //!
 //! ```
@@ -15,7 +15,8 @@
 pub use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// The generator of stream `name` under `seed`: the same numbers on every machine, for ever.
+/// The generator of stream `name` under `seed`: the same numbers on every machine and in every
+/// version.
 pub fn stream(seed: u64, name: &str) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(fnv1a(name));

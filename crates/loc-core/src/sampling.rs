@@ -1,10 +1,11 @@
-//! Turning uniform random numbers into numbers of other distributions (F4).
+//! Sampling from distributions by way of uniform random numbers (F4).
 //!
-//! A computer's generator draws evenly from the interval (0, 1). Read as a height on the cumulative
-//! distribution of anything else, such a number leads to a value of that distribution:
+//! A generator draws uniformly from the interval (0, 1). Taken as a value of the cumulative
+//! distribution function of another distribution, such a number maps to a draw from it:
 //! [`inverse_cdf`] does so for a continuous distribution, [`CumulativeTable`] for a list of
-//! weights. For the normal distribution, whose cumulative distribution has no closed inverse,
-//! there is the exact [`box_muller`] and two quick approximations.
+//! weights. For the normal distribution, whose cumulative distribution has no closed inverse, there
+//! is the exact [`box_muller`] and two fast approximations. [`Uniform`] is the continuous uniform
+//! distribution.
 //!
 //! ```
 //! use loc_core::{random, sampling};
@@ -15,19 +16,19 @@
 //! ```
 
 use crate::Result;
-use crate::error::{non_negative, positive, probability};
+use crate::error::{finite, in_range, non_negative, positive, probability};
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
 use std::f64::consts::TAU;
 
 /// A draw from the distribution whose quantile function (inverse cumulative distribution) is
-/// `quantile`; that function is asked at one number from the open interval (0, 1).
+/// `quantile`; that function is evaluated at one number from the open interval (0, 1).
 pub fn inverse_cdf<T, R: Rng + ?Sized>(quantile: impl FnOnce(f64) -> T, rng: &mut R) -> T {
     quantile(rng.sample(Open01))
 }
 
 /// Two independent draws from the standard normal distribution, by the method of Box and Muller
-/// (1958): exact, at the price of a logarithm, a root, a sine and a cosine.
+/// (1958): exact, at the cost of a logarithm, a root, a sine and a cosine.
 // ANCHOR: box-muller
 pub fn box_muller<R: Rng + ?Sized>(rng: &mut R) -> (f64, f64) {
     let (u1, u2): (f64, f64) = (rng.sample(Open01), rng.sample(Open01));
@@ -49,7 +50,7 @@ pub fn twelve_rule<R: Rng + ?Sized>(sigma: f64, rng: &mut R) -> f64 {
 /// A draw from the symmetric triangle with mean 0 and standard deviation `sigma`,
 /// `sqrt(6)/2 [U(-b, b) + U(-b, b)]`; the literature calls `sigma` b.
 ///
-/// A rougher stand-in for the normal distribution: the kurtosis is 2.4, and no draw lies beyond
+/// A coarser approximation of the normal distribution: the kurtosis is 2.4, and no draw lies beyond
 /// `sqrt(6) sigma`.
 pub fn triangular<R: Rng + ?Sized>(sigma: f64, rng: &mut R) -> f64 {
     0.5 * 6_f64.sqrt() * (symmetric(sigma, rng) + symmetric(sigma, rng))
@@ -73,8 +74,8 @@ impl CumulativeTable {
     /// The table of `weights`, which need not sum to 1.
     ///
     /// # Errors
-    /// [`crate::Error::OutOfRange`] for a weight that is negative or not finite, and where the sum is 0
-    /// (no weights included) or overflows.
+    /// [`crate::Error::OutOfRange`] for a weight that is negative or not finite, and where the sum
+    /// is 0 (no weights included) or overflows.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Result<Self> {
         let weights: Vec<f64> = weights.into_iter().collect();
         for &weight in &weights {
@@ -121,5 +122,94 @@ impl CumulativeTable {
     fn lookup(&self, p: f64) -> usize {
         let height = p * self.total;
         self.sums.partition_point(|&sum| sum <= height).min(self.last)
+    }
+}
+
+/// U\[low, high\]: every number of an interval is equally likely.
+///
+/// ```
+/// use loc_core::probability::Uniform;
+/// let temperature = Uniform::new(18.0, 26.0)?;
+/// assert!((temperature.probability(20.0, 22.0) - 0.25).abs() < 1e-12);
+/// # Ok::<(), loc_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uniform {
+    low: f64,
+    high: f64,
+}
+
+impl Uniform {
+    /// The distribution over the interval from `low` to `high`, `low < high`.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] for ends that are not finite, in the wrong order, equal, or
+    /// so far apart that their distance overflows.
+    pub fn new(low: f64, high: f64) -> Result<Self> {
+        finite("lower end of the interval", low)?;
+        finite("upper end of the interval", high)?;
+        let positive = |width: f64| width > 0.0 && width.is_finite();
+        in_range("width of the interval", "a finite number > 0", high - low, positive)?;
+        Ok(Uniform { low, high })
+    }
+
+    /// The lower end.
+    pub fn low(self) -> f64 {
+        self.low
+    }
+
+    /// The upper end.
+    pub fn high(self) -> f64 {
+        self.high
+    }
+
+    /// Density at `x`, per unit of the quantity.
+    pub fn density(self, x: f64) -> f64 {
+        if x.is_nan() {
+            return x;
+        }
+        if (self.low..=self.high).contains(&x) { 1.0 / self.width() } else { 0.0 }
+    }
+
+    /// P(X <= x).
+    pub fn cdf(self, x: f64) -> f64 {
+        (x.clamp(self.low, self.high) - self.low) / self.width()
+    }
+
+    /// P(from <= X <= to); 0 where `from` lies above `to`. Either end may be infinite.
+    pub fn probability(self, from: f64, to: f64) -> f64 {
+        if from > to {
+            return 0.0;
+        }
+        self.cdf(to) - self.cdf(from)
+    }
+
+    /// The value that a share `p` of all draws does not exceed: the inverse of
+    /// [`cdf`](Uniform::cdf).
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] for a `p` outside \[0, 1\].
+    pub fn quantile(self, p: f64) -> Result<f64> {
+        let p = probability("share of the draws", p)?;
+        Ok((self.low + p * self.width()).min(self.high))
+    }
+
+    /// The expected value, the middle of the interval.
+    pub fn mean(self) -> f64 {
+        self.low + 0.5 * self.width()
+    }
+
+    /// The variance, `width^2 / 12`.
+    pub fn variance(self) -> f64 {
+        self.width() * self.width() / 12.0
+    }
+
+    /// Draws from the distribution.
+    pub fn sample<R: Rng + ?Sized>(self, rng: &mut R) -> f64 {
+        (self.low + rng.random::<f64>() * self.width()).min(self.high)
+    }
+
+    fn width(self) -> f64 {
+        self.high - self.low
     }
 }

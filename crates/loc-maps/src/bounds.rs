@@ -1,7 +1,6 @@
 //! Boxes along the axes of the map: how far a map reaches.
 //!
-//! A box around everything is the first thing that a picture, a grid or a search index asks a map
-//! for.
+//! Pictures, grids and search indices are built from the box around a map.
 //!
 //! ```
 //! use loc_maps::Bounds;
@@ -12,15 +11,15 @@
 
 use nalgebra::{Point2, Vector2};
 
-/// Coordinates beyond this are no places in a robot's world \[m\]; up to it, squares of distances
+/// Largest coordinate of a map \[m\]; up to it, squares of distances
 /// are far from overflow, and a nanometre still counts.
-const FARTHEST: f64 = 1e6;
+const MAX_COORDINATE: f64 = 1e6;
 
 /// A box along the axes, its border included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bounds {
-    /// The corner with the least coordinates \[m\].
+    /// The corner with the smallest coordinates \[m\].
     pub min: Point2<f64>,
     /// The corner with the greatest coordinates \[m\].
     pub max: Point2<f64>,
@@ -77,7 +76,7 @@ impl Bounds {
 /// Checks that a coordinate of a map is a number within what robots live in.
 pub(crate) fn coordinate(what: &'static str, value: f64) -> loc_core::Result<f64> {
     let expected = "a finite number from -1e6 to 1e6";
-    if value.abs() <= FARTHEST {
+    if value.abs() <= MAX_COORDINATE {
         Ok(value)
     } else {
         Err(loc_core::Error::OutOfRange { what, expected, found: value })

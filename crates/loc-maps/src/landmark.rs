@@ -1,7 +1,7 @@
 //! The landmark map (C6): numbered landmarks at known positions.
 //!
 //! Positions have a height, for cameras that look up and for lateration in space; planar methods
-//! pass it over. The file format is CSV with the columns `id,x,y` and, if wanted, `z`.
+//! ignore it. The file format is CSV with the columns `id,x,y` and, if wanted, `z`.
 //!
 //! ```
 //! use loc_maps::{Landmark, LandmarkMap};
@@ -9,16 +9,31 @@
 //! assert_eq!(map.to_csv(), "id,x,y,z\n2,0,0.5,0\n4,1,2,0\n");
 //! # Ok::<(), loc_maps::Error>(())
 //! ```
+//!
+//! A landmark map does not contain the walls that hide landmarks. [`Occluded`] combines it with a
+//! map that has walls: from a position only landmarks with a free line of sight are visible.
+//!
+//! ```
+//! use loc_maps::{Landmark, LandmarkMap, Occluded};
+//! use loc_sensors::world::{LandmarkWorld, Room};
+//! let landmarks = LandmarkMap::new([Landmark::planar(1, 2.9, 0.0), Landmark::planar(2, 5.0, 0.0)])?;
+//! let room = Room::new([-3.0, -2.0], [3.0, 2.0])?;
+//! let mut seen = Vec::new();
+//! let world = Occluded { landmarks: &landmarks, walls: &room, slack: 0.1 };
+//! world.visit_landmarks(&[0.0, 0.0].into(), 10.0, &mut |id, _| seen.push(id));
+//! assert_eq!(seen, [1]);
+//! # Ok::<(), loc_maps::Error>(())
+//! ```
 
 use crate::{Error, Result};
 use loc_core::table::Table;
-use loc_sensors::world::LandmarkWorld;
+use loc_sensors::world::{LandmarkWorld, RangeWorld};
 use nalgebra::{Point2, Point3};
 use std::path::{Path, PathBuf};
 
 const COLUMNS: [&str; 4] = ["id", "x", "y", "z"];
 
-/// A landmark with a number that can be read off it.
+/// A landmark with its number (known data association).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Landmark {
@@ -166,5 +181,35 @@ impl TryFrom<Vec<Landmark>> for LandmarkMap {
 impl From<LandmarkMap> for Vec<Landmark> {
     fn from(map: LandmarkMap) -> Self {
         map.landmarks
+    }
+}
+
+/// The landmarks of one map behind the walls of another.
+#[derive(Debug, Clone, Copy)]
+pub struct Occluded<'a, L: ?Sized, W: ?Sized> {
+    /// The landmarks.
+    pub landmarks: &'a L,
+    /// The walls.
+    pub walls: &'a W,
+    /// A wall this close before a landmark does not hide it \[m\]: landmarks hang on walls.
+    pub slack: f64,
+}
+
+impl<L: LandmarkWorld + ?Sized, W: RangeWorld + ?Sized> LandmarkWorld for Occluded<'_, L, W> {
+    fn visit_landmarks(
+        &self,
+        center: &Point2<f64>,
+        radius: f64,
+        visit: &mut dyn FnMut(u32, Point2<f64>),
+    ) {
+        self.landmarks.visit_landmarks(center, radius, &mut |id, position| {
+            let offset = position - center;
+            let open = offset.norm() - self.slack;
+            let hidden =
+                open > 0.0 && self.walls.cast(center, offset.y.atan2(offset.x), open).is_some();
+            if !hidden {
+                visit(id, position);
+            }
+        });
     }
 }

@@ -1,20 +1,21 @@
-//! A search tree of boxes: finds what is near a point or hit by a ray without asking everything.
+//! A bounding volume hierarchy: finds the items near a point or hit by a ray without a linear
+//! search.
 //!
-//! Things are halved at the median of their middles along the longer side of their box, again and
-//! again (a bounding volume hierarchy). The same tree serves line segments and points, and it
-//! answers exactly what asking all of them would, which the tests of the maps check.
+//! The items are split recursively at the median of their centres along the longer side of their
+//! box. The same tree serves line segments and points, and its answers are exactly those of a
+//! linear search, which the tests of the maps check.
 
 use crate::Bounds;
 use nalgebra::{Point2, Vector2};
 
-/// Things in a leaf, at most.
+/// Maximum number of items in a leaf.
 const LEAF: usize = 4;
-/// Levels of the tree, at most: every level halves, so that 2^60 things fit.
+/// Maximum number of levels: every level halves, so 2^60 items fit.
 const DEPTH: usize = 64;
-/// Rounding in positions that a search must not fall for \[m\].
+/// Tolerance of a search for rounding in positions \[m\].
 const SLACK: f64 = 1e-9;
 
-/// What can be put into a [`BoxTree`].
+/// An item of a [`BoxTree`].
 pub(crate) trait Bounded: Copy {
     /// The smallest box around it.
     fn bounds(&self) -> Bounds;
@@ -41,7 +42,7 @@ impl Ray {
     }
 }
 
-/// Things with their indices, sorted into a tree of boxes.
+/// Items with their indices, sorted into a tree of boxes.
 #[derive(Debug, Clone)]
 pub(crate) struct BoxTree<T> {
     items: Vec<(usize, T)>,
@@ -93,9 +94,9 @@ impl<T: Bounded> BoxTree<T> {
         self.nodes[index] = Node { bounds, link: second, count: 0 };
     }
 
-    /// Index and distance of the first thing on a ray, up to `max_range`.
+    /// Index and distance of the first item on a ray, up to `max_range`.
     ///
-    /// `hit` says how far along the ray a thing lies, at most `margin` \[m\] off its box.
+    /// `hit` gives the distance of an item along the ray, at most `margin` \[m\] off its box.
     pub(crate) fn cast(
         &self,
         ray: &Ray,
@@ -119,7 +120,7 @@ impl<T: Bounded> BoxTree<T> {
         best.0.map(|index| (index, best.1))
     }
 
-    /// Index and squared distance of the thing nearest to a point, up to `limit`.
+    /// Index and squared distance of the item nearest to a point, up to `limit`.
     pub(crate) fn nearest(
         &self,
         point: &Point2<f64>,
@@ -141,7 +142,7 @@ impl<T: Bounded> BoxTree<T> {
         best.0.map(|index| (index, best.1))
     }
 
-    /// Visits every thing whose boxes pass `enter`.
+    /// Visits every item whose boxes pass `enter`.
     pub(crate) fn visit(&self, enter: impl Fn(&Bounds) -> bool, mut each: impl FnMut(usize, &T)) {
         self.descend(
             0.0,
@@ -150,7 +151,7 @@ impl<T: Bounded> BoxTree<T> {
         );
     }
 
-    /// Walks down, nearer boxes first; `entry` gives the distance of a box, `None` to skip it.
+    /// Descends, nearer boxes first; `entry` gives the distance of a box, `None` to skip it.
     #[inline]
     fn descend(
         &self,
@@ -192,7 +193,7 @@ impl<T: Bounded> BoxTree<T> {
     }
 }
 
-/// A ray made ready for the slab test.
+/// A ray prepared for the slab test.
 struct Slabs {
     ray: Ray,
     inverse: Vector2<f64>,

@@ -5,14 +5,14 @@ use loc_core::Pose2;
 pub(crate) use loc_core::error::in_range;
 use loc_core::error::{finite, non_negative};
 
-/// Checks that a count lies in 1..=`most`, in words `expected`.
+/// Checks that a count lies in 1..=`max`, in words `expected`.
 pub(crate) fn count(
     what: &'static str,
     expected: &'static str,
-    most: usize,
+    max: usize,
     found: usize,
 ) -> Result<usize> {
-    if (1..=most).contains(&found) {
+    if (1..=max).contains(&found) {
         Ok(found)
     } else {
         Err(Error::Length { what, expected, found })

@@ -1,8 +1,7 @@
 //! Time-stamped inputs shared by all sources and localizers: a stream of events.
 //!
-//! A recording, a simulated robot and a live one look the same from here: controls and
-//! measurements with the time they belong to, in the order in which they became known, with the
-//! truth among them where it is known.
+//! A recording, a simulated robot and a live one have one interface: controls and measurements with
+//! the time they belong to, in the order of their arrival, with the ground truth where it is known.
 
 use crate::compass::CompassReading;
 use crate::imu::ImuReading;
@@ -11,34 +10,34 @@ use crate::laser::LaserScan;
 use loc_core::{Gaussian, Pose2, Twist2};
 use std::sync::Arc;
 
-/// Something that became known.
+/// A control, a measurement or a ground truth, with its times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
-    /// The time it belongs to \[s\].
+    /// The time the payload belongs to \[s\].
     pub stamp: f64,
-    /// When it became known \[s\]; events are in order of this.
+    /// Time of arrival \[s\]; events are in order of this.
     pub arrival: f64,
-    /// What became known.
+    /// The content.
     pub payload: Payload,
 }
 
-/// What an event tells.
+/// The content of an event.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Payload {
-    /// How the robot moves from the stamp on.
+    /// A motion command or odometry.
     Control(Control),
     /// What a sensor measured.
     Measurement(Measurement),
-    /// Where the robot really was.
+    /// The true state of the robot.
     Truth(Truth),
 }
 
-/// How the robot moves.
+/// The motion of the robot from the stamp on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Control {
-    /// It drives with this velocity, until told otherwise.
+    /// It drives with this velocity, until the next control.
     Velocity(Twist2),
-    /// It accelerates along its rail \[m/s^2\], until told otherwise.
+    /// It accelerates along its rail \[m/s^2\], until the next control.
     Acceleration(f64),
     /// It has moved to this pose of its odometry's frame, whose place in the map is unknown.
     Odometry(Pose2),
@@ -48,7 +47,7 @@ pub enum Control {
 #[derive(Debug, Clone, PartialEq)]
 // ANCHOR: measurement
 pub enum Measurement {
-    /// Landmarks seen at one moment, any number of them.
+    /// Landmarks observed at one time, any number of them.
     Landmarks(Vec<LandmarkObservation>),
     /// A sweep of a laser.
     Scan {
@@ -73,7 +72,7 @@ pub enum Measurement {
 }
 // ANCHOR_END: measurement
 
-/// Where the robot really was.
+/// The true state of the robot (ground truth).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
     /// Its pose in the map.
@@ -83,12 +82,12 @@ pub struct Truth {
 }
 
 impl Event {
-    /// An event that is known at once.
+    /// An event that arrives at its stamp.
     pub fn now(stamp: f64, payload: Payload) -> Self {
         Event { stamp, arrival: stamp, payload }
     }
 
-    /// Order of arrival; of what arrives together, controls come first and the truth last.
+    /// Order of arrival; of simultaneous arrivals, controls come first and the truth last.
     pub fn order(&self, other: &Event) -> std::cmp::Ordering {
         self.arrival.total_cmp(&other.arrival).then(self.rank().cmp(&other.rank()))
     }

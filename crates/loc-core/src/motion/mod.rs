@@ -1,11 +1,11 @@
-//! How a robot's pose follows from its velocity, and how sure of it one may be (E2, E6, E7).
+//! How a robot's pose follows from its velocity, and how uncertain it becomes (E2, E6, E7).
 //!
 //! A drive reports a velocity, a [`Twist2`]. [`Integration`] turns it into the pose after one time
-//! step, by one of three rules and with their Jacobians; [`VelocityNoise`] says how far the
-//! reported velocity may be off; [`dead_reckon`] puts both together and carries mean and
-//! covariance one step on. [`OdometryMotion`] is the other common description of a step: turn,
-//! drive, turn. [`DrivenPath`] and [`PathNoise`] speak of poses of an odometry, and of the way
-//! between them.
+//! step, by one of three rules and with their Jacobians; [`VelocityNoise`] is the error model of
+//! the reported velocity; [`dead_reckon`] combines both and propagates mean and covariance over one
+//! step. [`OdometryMotion`] is the other common description of a step: rotation, translation,
+//! rotation. [`DrivenPath`] and [`PathNoise`] work on the poses that odometry reports and on the
+//! path between them.
 //!
 //! ```
 //! use loc_core::motion::Integration;
@@ -15,18 +15,8 @@
 //! assert!((end.x - 2.0 / std::f64::consts::PI).abs() < 1e-12 && (end.x - end.y).abs() < 1e-12);
 //! ```
 
-mod chord;
-mod driven;
-mod integration;
-mod noise;
 mod odometry;
-mod propagation;
-mod twist;
+mod velocity;
 
-pub use chord::Chord;
-pub use driven::{DrivenPath, LinearizedStep, PathNoise};
-pub use integration::{Integration, StepJacobians};
-pub use noise::VelocityNoise;
-pub use odometry::{OdometryMotion, OdometryNoise};
-pub use propagation::dead_reckon;
-pub use twist::Twist2;
+pub use odometry::{DrivenPath, LinearizedStep, OdometryMotion, OdometryNoise, PathNoise};
+pub use velocity::{Chord, Integration, StepJacobians, Twist2, VelocityNoise, dead_reckon};

@@ -1,6 +1,25 @@
-//! The odometry motion model: a step as turn, drive, turn (Probabilistic Robotics, 5.4).
+//! Motion from the poses that odometry reports: the odometry motion model (rotation, translation,
+//! rotation; Probabilistic Robotics, 5.4), and the path driven with its noise (E6, E7).
+//!
+//! Variances of odometry grow with the distance driven and the angle turned, not with their
+//! squares: they add up along the path, so the number of steps that a path is cut into makes no
+//! difference (E7). [`PathNoise`] propagates a belief along a [`DrivenPath`] to first order (E6).
+//!
+//! ```
+//! use loc_core::motion::{DrivenPath, PathNoise};
+//! use loc_core::{Gaussian, Pose2};
+//! let mut path = DrivenPath::starting_at(Pose2::IDENTITY);
+//! path.extend(Pose2::new(1.0, 0.0, 0.0));
+//! path.extend(Pose2::new(0.5, 0.0, 0.0));
+//! assert_eq!((path.length(), path.step().x), (1.5, 0.5));
+//! let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
+//! let after = PathNoise::default().belief_after(&path, &start);
+//! assert_eq!(after.pose(), Pose2::new(0.5, 0.0, 0.0));
+//! assert!((after.covariance.m11 - 1.5 * 0.05_f64.powi(2)).abs() < 1e-12);
+//! ```
 
-use crate::{Pose2, angle};
+use crate::error::{non_negative, probability};
+use crate::{Gaussian, Pose2, Result, angle};
 use nalgebra::{Matrix3, Vector3};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -32,8 +51,9 @@ pub struct OdometryNoise {
 }
 
 impl OdometryMotion {
-    /// Below this distance \[m\] the direction of travel is only noise: the whole turn is `rot2`.
-    pub const SHORTEST_DRIVE: f64 = 1e-6;
+    /// Below this distance \[m\] the direction of travel is only noise, and the whole rotation is
+    /// `rot2`.
+    pub const MIN_TRANSLATION: f64 = 1e-6;
 
     /// The step that leads from one odometry pose to the next.
     ///
@@ -42,7 +62,7 @@ impl OdometryMotion {
     pub fn between(from: Pose2, to: Pose2) -> Self {
         let step = from.between(to);
         let distance = f64::hypot(step.x, step.y);
-        if distance < Self::SHORTEST_DRIVE {
+        if distance < Self::MIN_TRANSLATION {
             // The part along the heading, with its sign: the jitter of a robot that stands still
             // must not add up to a drive forward.
             return OdometryMotion { rot1: 0.0, trans: step.x, rot2: step.theta };
@@ -103,4 +123,163 @@ impl OdometryMotion {
             rot2: angle::wrap(self.rot2 + draw(variances.z)),
         }
     }
+}
+
+/// A path in the odometry's frame: its first and last pose, its length and its turning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct DrivenPath {
+    from: Pose2,
+    to: Pose2,
+    length: f64,
+    turned: f64,
+}
+
+/// Noise of odometry over a path; variances in proportion to length and turning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct PathNoise {
+    /// Standard deviation along the path after 1 m \[m\]; `sqrt(k_d)` of E7.
+    pub along: f64,
+    /// Standard deviation across the path after 1 m \[m\].
+    pub across: f64,
+    /// Standard deviation of the heading after 1 m \[rad\]; `sqrt(k_drift)` of E7.
+    pub drift: f64,
+    /// Standard deviation of the heading after turning by 1 rad \[rad\]; `sqrt(k_theta)` of E7.
+    pub turn: f64,
+    /// Standard deviation of the position after turning by 1 rad \[m\]: the point that odometry
+    /// tracks is not quite the one it turns about.
+    pub pivot: f64,
+    /// Lower bound of the standard deviation of the position of every update, however short its
+    /// path \[m\]: it keeps particles apart and filters from becoming overconfident.
+    pub min_position: f64,
+    /// Lower bound of the standard deviation of the heading of every update \[rad\].
+    pub min_heading: f64,
+    /// Probability that odometry fails in a step: slip, a push, a wrong count.
+    pub fault_probability: f64,
+}
+
+impl Default for PathNoise {
+    fn default() -> Self {
+        PathNoise {
+            along: 0.05,
+            across: 0.03,
+            drift: 3_f64.to_radians(),
+            turn: 5_f64.to_radians(),
+            pivot: 0.05,
+            min_position: 0.005,
+            min_heading: 0.2_f64.to_radians(),
+            fault_probability: 0.1,
+        }
+    }
+}
+
+impl PathNoise {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] naming the first that is not allowed.
+    pub fn validate(&self) -> Result<()> {
+        non_negative("noise along the path [m]", self.along)?;
+        non_negative("noise across the path [m]", self.across)?;
+        non_negative("drift of the heading [rad]", self.drift)?;
+        non_negative("noise of turning [rad]", self.turn)?;
+        non_negative("noise of the pivot [m]", self.pivot)?;
+        non_negative("lower bound of the noise of the position [m]", self.min_position)?;
+        non_negative("lower bound of the noise of the heading [rad]", self.min_heading)?;
+        probability("probability of an odometry fault", self.fault_probability)?;
+        Ok(())
+    }
+
+    /// Variances that a path adds along it \[m^2\], across it \[m^2\] and to the heading \[rad^2\],
+    /// without faults of the odometry and without the lower bounds.
+    pub fn variances(&self, path: &DrivenPath) -> Vector3<f64> {
+        let pivot = self.pivot.powi(2) * path.turned;
+        Vector3::new(
+            self.along.powi(2) * path.length + pivot,
+            self.across.powi(2) * path.length + pivot,
+            self.drift.powi(2) * path.length + self.turn.powi(2) * path.turned,
+        )
+    }
+
+    /// Standard deviations along a path \[m\], across it \[m\] and of the heading \[rad\] where
+    /// odometry has failed: its error is then about as large as the motion that it reports.
+    pub fn fault_sigmas(path: &DrivenPath) -> Vector3<f64> {
+        let (length, turned) = (path.length, path.turned);
+        Vector3::new(length, 0.3 * length, 0.3 * turned + 0.1 * length)
+    }
+
+    /// A step along a path from `pose`, with `variances` along it, across it and of the heading.
+    ///
+    /// Averaged over the path, the error of the heading is half of its error at the end.
+    pub fn step(path: &DrivenPath, pose: Pose2, variances: &Vector3<f64>) -> LinearizedStep {
+        let after = pose * path.step();
+        let (dx, dy) = (after.x - pose.x, after.y - pose.y);
+        let (sin, cos) = pose.theta.sin_cos();
+        let by_pose = Matrix3::new(1.0, 0.0, -dy, 0.0, 1.0, dx, 0.0, 0.0, 1.0);
+        let by_noise = Matrix3::new(cos, -sin, -0.5 * dy, sin, cos, 0.5 * dx, 0.0, 0.0, 1.0);
+        let noise = by_noise * Matrix3::from_diagonal(variances) * by_noise.transpose();
+        LinearizedStep { pose: after, by_pose, noise }
+    }
+
+    /// A belief propagated along a path to first order (E6), without faults of the odometry and
+    /// without the lower bounds.
+    pub fn belief_after(&self, path: &DrivenPath, belief: &Gaussian<3>) -> Gaussian<3> {
+        let LinearizedStep { pose, by_pose, noise } =
+            PathNoise::step(path, belief.pose(), &self.variances(path));
+        let covariance = by_pose * belief.covariance * by_pose.transpose() + noise;
+        Gaussian { mean: pose.to_vector(), covariance }
+    }
+}
+
+impl DrivenPath {
+    /// An empty path, at a pose of the odometry's frame.
+    pub fn starting_at(pose: Pose2) -> Self {
+        DrivenPath { from: pose, to: pose, length: 0.0, turned: 0.0 }
+    }
+
+    /// Extends the path to the next pose that odometry reports.
+    pub fn extend(&mut self, to: Pose2) {
+        let step = self.to.between(to);
+        self.length += f64::hypot(step.x, step.y);
+        self.turned += step.theta.abs();
+        self.to = to;
+    }
+
+    /// The pose at the start, in the odometry's frame.
+    pub fn start(&self) -> Pose2 {
+        self.from
+    }
+
+    /// The pose at the end, in the odometry's frame.
+    pub fn end(&self) -> Pose2 {
+        self.to
+    }
+
+    /// The end as seen from the start.
+    pub fn step(&self) -> Pose2 {
+        self.from.between(self.to)
+    }
+
+    /// The length of the path, not of the straight line \[m\].
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The sum of all turning, in both directions \[rad\].
+    pub fn turned(&self) -> f64 {
+        self.turned
+    }
+}
+
+/// A step along a [`DrivenPath`], linearised at the pose where it starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearizedStep {
+    /// The pose that it leads to.
+    pub pose: Pose2,
+    /// Its derivative over the pose before, 3 x 3.
+    pub by_pose: Matrix3<f64>,
+    /// The covariance that it adds over (x, y, theta) \[m, m, rad\], 3 x 3.
+    pub noise: Matrix3<f64>,
 }

@@ -1,10 +1,11 @@
-//! Bayes' rule: from how likely each cause makes what was seen, to how likely each cause is (F1).
+//! Bayes' rule: from the likelihood of an observation under each cause to the probability of each
+//! cause (F1).
 //!
-//! It is easy to say how often a raised flag stands on a full mailbox, and how often on an empty
-//! one. What one wants to know is the converse: the flag is up, is the mailbox full? Bayes' rule
-//! answers with P(cause | effect) = alpha P(effect | cause) P(cause), where the normaliser
-//! alpha = 1 / P(effect) makes the probabilities of all causes sum to 1. In a localizer the causes
-//! are the states of the robot, and the effect is a measurement.
+//! Example: known is how often the flag is up on a full mailbox, and how often on an empty one.
+//! Wanted is the converse: given that the flag is up, is the mailbox full? Bayes' rule gives
+//! P(cause | effect) = alpha P(effect | cause) P(cause), where the normaliser alpha = 1 / P(effect)
+//! makes the probabilities of all causes sum to 1. In a localizer the causes are the states of the
+//! robot, and the effect is a measurement.
 //!
 //! ```
 //! use loc_core::probability::{Discrete, bayes};
@@ -21,7 +22,7 @@ use super::Discrete;
 use crate::error::{in_range, non_negative, probability};
 use crate::{Error, Result};
 
-/// What is believed after the evidence.
+/// The posterior distribution, given the evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posterior<T> {
     /// P(hypothesis | evidence), in the order of the prior.
@@ -33,7 +34,7 @@ pub struct Posterior<T> {
 impl<T> Posterior<T> {
     /// P(evidence) = sum of P(evidence | h) P(h) over all hypotheses h.
     ///
-    /// 0 where it is smaller than any number; `log_evidence` still tells it.
+    /// 0 where it is smaller than any number; `log_evidence` still holds it.
     pub fn evidence(&self) -> f64 {
         self.log_evidence.exp()
     }
@@ -109,7 +110,7 @@ fn from_log_likelihoods<T: Clone>(prior: &Discrete<T>, logs: Vec<f64>) -> Result
     if !largest.is_finite() {
         return Err(impossible());
     }
-    // Relative to the largest, nothing that matters underflows.
+    // Relative to the largest, only negligible weights underflow.
     let weights: Vec<f64> = log_joint.iter().map(|log| (log - largest).exp()).collect();
     let total: f64 = weights.iter().sum();
     let probabilities = weights.iter().map(|weight| weight / total).collect();

@@ -4,7 +4,7 @@
 //! by a function that says whether an outcome belongs to it. [`Discrete`] holds the outcomes of
 //! one variable, [`Joint`] the table of two, and [`bayes`] turns the probability of a measurement
 //! in each state into the probability of each state after the measurement: the step that every
-//! localizer of this workspace takes. [`Uniform`] is the plainest distribution of a continuous
+//! localizer of this workspace takes. [`Uniform`] is the simplest distribution of a continuous
 //! number.
 //!
 //! ```
@@ -17,9 +17,6 @@
 
 pub mod bayes;
 mod discrete;
-mod joint;
-mod uniform;
 
-pub use discrete::Discrete;
-pub use joint::Joint;
-pub use uniform::Uniform;
+pub use crate::sampling::Uniform;
+pub use discrete::{Discrete, Joint};

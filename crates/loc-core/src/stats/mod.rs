@@ -1,10 +1,10 @@
-//! Statistics of samples, and the tests of whether an estimator tells the truth about itself (F2).
+//! Statistics of samples, and consistency tests of estimators (F2).
 //!
-//! A sample is a list of measured numbers: the errors of a run, say. [`RunningMoments`] takes them
-//! one at a time and knows their mean and spread; [`median`] and [`quantile`] describe them without
-//! being misled by a few outliers. An estimator also claims how large its error should be, its
-//! covariance: [`nees`] sets the one against the other, and [`chi_square_band`] says which values
-//! of that ratio chance explains; [`consistency`] has the tests over many runs.
+//! A sample is a list of measured numbers: the errors of a run, say. [`RunningMoments`] adds them
+//! one at a time and gives mean and variance; [`median`] and [`quantile`] are robust to a few
+//! outliers. An estimator also reports the covariance of its error: [`nees`] normalises the error
+//! by it, and [`chi_square_band`] is the interval of that figure for a consistent estimator;
+//! [`consistency`] has the tests over many runs.
 //!
 //! ```
 //! use loc_core::stats::{self, RunningMoments};
@@ -20,15 +20,15 @@
 
 mod chi_square;
 pub mod consistency;
-mod covariance;
-mod interval;
-mod moments;
-mod order;
+mod sample;
 
-pub use chi_square::{chi_square_band, chi_square_cdf, chi_square_interval, chi_square_quantile};
+pub use chi_square::{
+    chi_square_band, chi_square_cdf, chi_square_interval, chi_square_quantile, mean_interval,
+    wilson_interval,
+};
 pub use consistency::{autocorrelation, nees, whiteness_bound};
-pub(crate) use covariance::normalized;
-pub use covariance::{correlation, covariance, covariance_matrix, sample_gaussian};
-pub use interval::{mean_interval, wilson_interval};
-pub use moments::RunningMoments;
-pub use order::{median, quantile, rms};
+pub(crate) use sample::normalized;
+pub use sample::{
+    RunningMoments, correlation, covariance, covariance_matrix, median, quantile, rms,
+    sample_gaussian,
+};

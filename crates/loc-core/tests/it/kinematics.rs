@@ -1,6 +1,6 @@
 use approx::assert_relative_eq;
-use loc_core::frames::{Kurt2Drive, Kurt2Pose};
 use loc_core::kinematics::{Ackermann, Differential, Mecanum, MecanumWheels};
+use loc_core::kinematics::{Kurt2Drive, Kurt2Pose};
 use loc_core::motion::Integration;
 use loc_core::{Error, Pose2, Twist2};
 use nalgebra::{Vector2, Vector4};

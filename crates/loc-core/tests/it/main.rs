@@ -1,15 +1,10 @@
 //! Tests of `loc-core` through its public face, one module per module of the crate.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
-mod angle;
-mod consistency;
-mod driven;
-mod file;
 mod finite_difference;
 mod gaussian;
 mod kinematics;
 mod motion;
-mod normal;
 mod pose;
 mod probability;
 mod sampling;

@@ -18,7 +18,7 @@ use crate::Result;
 use loc_core::Pose2;
 use nalgebra::Point2;
 
-/// The most cells that a grid may have (16384 x 16384, 0.67 km^2 at 5 cm).
+/// The maximum number of cells of a grid (16384 x 16384, 0.67 km^2 at 5 cm).
 pub const MAX_CELLS: usize = 1 << 28;
 
 /// A cell of a grid, counted from the lower-left one, which is (0, 0).

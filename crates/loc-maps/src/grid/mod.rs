@@ -1,9 +1,8 @@
-//! The occupancy grid (C1): a chequered floor plan that says of each cell how likely it is
-//! occupied.
+//! The occupancy grid (C1): a map of cells, each with its probability of being occupied.
 //!
-//! It is what mapping produces and what most localizers are given. Cells hold the values of the
-//! ROS occupancy message: 0 (surely free) to 100 (surely occupied), -1 unknown, row by row from
-//! the bottom. Where the grid lies in the map, yaw included, is its [`GridFrame`].
+//! Mapping produces it, and most localizers use it. Cells hold the values of the ROS occupancy
+//! message: 0 (certainly free) to 100 (certainly occupied), -1 unknown, row by row from the bottom.
+//! Where the grid lies in the map, yaw included, is its [`GridFrame`].
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -16,14 +15,22 @@
 //! assert_eq!(grid.occupancy_at(&Point2::new(5.0, 5.0)), Occupancy::Unknown);
 //! # Ok::<(), loc_maps::Error>(())
 //! ```
+//!
+//! The classes of a cell ([`Occupancy`]) follow from the customary thresholds of map files: at
+//! least 0.65 is occupied, at most 0.196 is free.
+//!
+//! ```
+//! use loc_maps::grid::Occupancy;
+//! assert_eq!(Occupancy::of(100), Occupancy::Occupied);
+//! assert_eq!(Occupancy::of(0), Occupancy::Free);
+//! assert_eq!(Occupancy::of(-1), Occupancy::Unknown);
+//! ```
 
 mod frame;
 #[cfg(feature = "map-server")]
 pub mod io;
-mod occupancy;
 
 pub use frame::{Cell, GridFrame, MAX_CELLS};
-pub use occupancy::{Counts, FREE_TO, OCCUPIED_FROM, Occupancy, UNKNOWN};
 
 use crate::{Error, Result};
 use loc_core::Pose2;
@@ -56,7 +63,7 @@ impl OccupancyGrid {
         }
     }
 
-    /// A grid from values that are known to be right, one for each cell.
+    /// A grid from values that are known to be valid, one for each cell.
     pub(crate) fn from_valid(frame: GridFrame, cells: Vec<i8>) -> Self {
         debug_assert!(cells.len() == frame.cell_count() && cells.iter().all(|&v| is_valid(v)));
         OccupancyGrid { frame, cells }
@@ -135,7 +142,7 @@ impl OccupancyGrid {
         self.value_at(point).map_or(Occupancy::Unknown, Occupancy::of)
     }
 
-    /// Gives a cell a value.
+    /// Sets the value of a cell.
     ///
     /// # Errors
     /// [`Error::OutsideGrid`] for a cell that the grid does not have, and [`Error::CellValue`]
@@ -168,4 +175,56 @@ impl OccupancyGrid {
 
 fn is_valid(value: i8) -> bool {
     (UNKNOWN..=100).contains(&value)
+}
+
+/// The value of an unknown cell.
+pub const UNKNOWN: i8 = -1;
+
+/// The lowest value of an occupied cell \[percent\].
+pub const OCCUPIED_FROM: i8 = 65;
+
+/// The highest value of a free cell \[percent\] (19.6, rounded down to what a cell can hold).
+pub const FREE_TO: i8 = 19;
+
+/// The class of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Occupancy {
+    /// No obstacle.
+    Free,
+    /// An obstacle.
+    Occupied,
+    /// Not observed, or undecided.
+    Unknown,
+}
+
+/// How many cells a grid has of each class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Free cells.
+    pub free: usize,
+    /// Occupied cells.
+    pub occupied: usize,
+    /// Unknown cells.
+    pub unknown: usize,
+}
+
+impl Occupancy {
+    /// The class of a cell's value; everything outside 0 to 100 is unknown.
+    #[inline]
+    pub fn of(value: i8) -> Self {
+        match value {
+            OCCUPIED_FROM..=100 => Occupancy::Occupied,
+            0..=FREE_TO => Occupancy::Free,
+            _ => Occupancy::Unknown,
+        }
+    }
+
+    /// The value that stands for this class: 0, 100 or -1.
+    pub fn value(self) -> i8 {
+        match self {
+            Occupancy::Free => 0,
+            Occupancy::Occupied => 100,
+            Occupancy::Unknown => UNKNOWN,
+        }
+    }
 }

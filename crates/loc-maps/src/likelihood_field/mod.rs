@@ -1,6 +1,6 @@
 //! The likelihood field (C5): for every place, how likely it is that a laser beam ends there.
 //!
-//! Beams end on walls, more or less: the likelihood is highest on an obstacle and falls off with
+//! Beams end on walls, up to noise: the likelihood is highest on an obstacle and falls off with
 //! the distance to the nearest one. Computed once for a map, it turns the rating of a pose into
 //! one lookup for each beam, which is what a particle filter does millions of times a second
 //! (Thrun, Burgard and Fox, "Probabilistic Robotics", 2005, section 6.4).
@@ -9,15 +9,15 @@
 //! likelihood: codes of many beams add up as whole numbers, in any order to the same sum, and
 //! become a logarithm once at the end. The cells lie in tiles of 8 x 8, one cache line each, since
 //! beams of similar poses end close together in both directions; a margin of one tile catches what
-//! falls off the map, so that no lookup asks whether it is inside. That is the memory, a byte a cell
-//! (and six more while the field is built).
+//! falls off the map, so that no lookup tests whether it is inside. The memory is, a byte a
+//! cell (and six more while the field is built).
 //!
-//! What the byte costs: with the default settings a step of the code is 0.0126 in the logarithm of
+//! Loss by quantisation: with the default settings a step of the code is 0.0126 in the logarithm of
 //! the likelihood, so a beam is off by 0.0063 at most and 0.0036 on the average (root mean
 //! square), as much as 0.8 mm of distance are worth at one standard deviation.
 //!
-//! Clouds of poses are rated together, by the widest vector instructions that the machine has
-//! (SSE2, AVX2 or AVX-512, chosen while the program runs), with the same bits on all machines:
+//! Sets of poses are rated together, by the widest vector instructions of the processor
+//! (SSE2, AVX2 or AVX-512, chosen at run time), with the same bits on all machines:
 //! [`LikelihoodField::log_likelihoods`] is what particle filters call. Positions in the grid and
 //! beams are kept in single precision there, good for a millimetre on a map of 10 km. A beam of a
 //! tracked pose takes 0.3 to 0.4 ns with AVX-512, 0.6 with AVX2, 1.1 with SSE2 (bench
@@ -37,28 +37,23 @@
 //! # Ok::<(), loc_maps::Error>(())
 //! ```
 
-mod build;
-mod codes;
-mod endpoints;
-mod export;
 mod rating;
-mod readings;
 mod settings;
 #[cfg(test)]
 mod tests;
 mod tiles;
-mod view;
 
-pub use endpoints::Endpoints;
+pub use rating::Endpoints;
 pub use settings::{LikelihoodFieldSettings, Obstacles, OffMap, UnknownSpace};
 
 use crate::Result;
 use crate::grid::{GridFrame, OccupancyGrid};
-use codes::Codes;
 use loc_core::Pose2;
 use nalgebra::Point2;
-use rating::{Rating, Reading};
-use readings::{Count, LogLikelihood, TableSum};
+use rating::{Count, LogLikelihood, Rating, Reading, TableSum};
+use settings::off_map;
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+use tiles::Codes;
 
 /// The likelihood of a beam's end at every place of a map.
 #[derive(Debug, Clone)]
@@ -69,12 +64,12 @@ pub struct LikelihoodField {
     codes: Codes,
 }
 
-/// What codes mean.
+/// The scale of the codes.
 #[derive(Debug, Clone, Copy)]
 struct Scale {
     /// Logarithm of the likelihood of code 0.
     lowest: f64,
-    /// What one code adds to it.
+    /// Increment per code.
     step: f64,
 }
 
@@ -88,7 +83,7 @@ impl LikelihoodField {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for settings that are out of range.
     pub fn new(grid: &OccupancyGrid, settings: &LikelihoodFieldSettings) -> Result<Self> {
-        build::build(grid, settings)
+        settings::build(grid, settings)
     }
 
     /// Size, resolution and origin of the grid.
@@ -96,7 +91,7 @@ impl LikelihoodField {
         &self.frame
     }
 
-    /// What the field was made with.
+    /// The settings of the field.
     pub fn settings(&self) -> &LikelihoodFieldSettings {
         &self.settings
     }
@@ -121,7 +116,7 @@ impl LikelihoodField {
     }
 
     /// The same for many poses (x, y, theta) \[m, m, rad\], given by one coordinate after the
-    /// other, into `out`: to the bit what [`LikelihoodField::log_likelihood`] answers for each of
+    /// other, into `out`: bit-identical to [`LikelihoodField::log_likelihood`] of each of
     /// them. The shortest slice counts; what is beyond it in `out` stays as it is.
     ///
     /// Poses off the map and NaN are allowed: their beams end off the map.
@@ -177,18 +172,44 @@ impl LikelihoodField {
     pub fn hits(&self, distance: f64, poses: [&[f64]; 3], endpoints: &Endpoints) -> Vec<u32> {
         let mut counts = vec![0; endpoints.len()];
         let distance = distance.min(self.settings.max_distance);
-        let least = self.scale.code(self.settings.likelihood(distance).ln());
-        let reading = Count { least, counts: &mut counts };
+        let min_code = self.scale.code(self.settings.likelihood(distance).ln());
+        let reading = Count { min_code, counts: &mut counts };
         self.rate(poses, usize::MAX, endpoints, reading);
         counts
     }
 
-    /// Reads the scan from the poses, `most` of them at the most.
-    fn rate(&self, poses: [&[f64]; 3], most: usize, endpoints: &Endpoints, reading: impl Reading) {
-        let count = poses.iter().fold(most, |count, slice| count.min(slice.len()));
+    /// Reads the scan from the poses, at most `max` of them.
+    fn rate(&self, poses: [&[f64]; 3], max: usize, endpoints: &Endpoints, reading: impl Reading) {
+        let count = poses.iter().fold(max, |count, slice| count.min(slice.len()));
         let [x, y, theta] = poses.map(|slice| slice.get(..count).unwrap_or_default());
         let LikelihoodField { frame, codes, .. } = self;
         Rating { frame, codes, x, y, theta, endpoints, reading }.run();
+    }
+
+    /// The codes of all cells, row by row from the bottom: whole numbers, linear in the logarithm
+    /// of the likelihood (see [`LikelihoodField::log_likelihood_of`]).
+    pub fn cell_codes(&self) -> Vec<u8> {
+        match &self.codes {
+            Codes::Tiles(tiles) => {
+                self.frame.cells().map(|cell| tiles.get(cell.column, cell.row)).collect()
+            }
+            Codes::Rows(codes) => codes.iter().copied().take(self.frame.cell_count()).collect(),
+        }
+    }
+
+    /// The code of every place off the map.
+    pub fn code_off_map(&self) -> u8 {
+        self.scale.code(off_map(&self.settings))
+    }
+
+    /// Increment of the logarithm of the likelihood per code.
+    pub fn code_step(&self) -> f64 {
+        self.scale.step
+    }
+
+    /// The logarithm of the likelihood of `beams` beams whose codes add up to `sum`.
+    pub fn log_likelihood_of(&self, sum: u64, beams: usize) -> f64 {
+        beams as f64 * self.scale.lowest + self.scale.step * sum as f64
     }
 }
 
@@ -201,4 +222,59 @@ impl Scale {
     fn code(self, log_likelihood: f64) -> u8 {
         ((log_likelihood - self.lowest) / self.step).round() as u8
     }
+}
+
+/// A pose in the grid's frame, in single precision, as the lookups use it.
+#[derive(Debug, Clone, Copy, Default)]
+struct View {
+    /// Column and row \[cells\].
+    u: f32,
+    v: f32,
+    /// Cosine and sine of the heading \[cells/m\].
+    cos: f32,
+    sin: f32,
+}
+
+impl View {
+    /// The view from a pose of the map \[m, m, rad\].
+    #[inline(always)]
+    fn new(frame: &GridFrame, x: f64, y: f64, theta: f64) -> Self {
+        let at = frame.to_cells(&Point2::new(x, y));
+        let scale = (1.0 / frame.resolution()) as f32;
+        let (sin, cos) = sin_cos(theta - frame.origin().theta);
+        View { u: at.x as f32, v: at.y as f32, cos: cos * scale, sin: sin * scale }
+    }
+
+    /// The end of a beam \[m\] in the grid's frame \[cells\].
+    #[inline(always)]
+    fn end(self, x: f32, y: f32) -> (f32, f32) {
+        let View { u, v, cos, sin } = self;
+        (u + cos * x - sin * y, v + sin * x + cos * y)
+    }
+}
+
+/// Added to a number below 2^51, it leaves the nearest whole number in the lowest bits.
+const ROUND: f64 = 6_755_399_441_055_744.0;
+
+/// Sine and cosine in single precision, off by 1e-7 at most, which turns a beam of 30 m by 3 um.
+/// Without branches and calls, so that several angles go through it side by side; and the same on
+/// every machine, which the functions of the system's library are not.
+///
+/// The angle \[rad\], which may have many turns (up to 1e9), is reduced to +-pi/4 in double
+/// precision; polynomials of the Cephes library (S. L. Moshier) do the rest. Angles that are not
+/// finite yield NaN.
+#[inline(always)]
+fn sin_cos(angle: f64) -> (f32, f32) {
+    let quarters = angle * FRAC_2_PI + ROUND;
+    let quarter = quarters.to_bits() as u32;
+    let rest = (angle - (quarters - ROUND) * FRAC_PI_2) as f32;
+    let square = rest * rest;
+    let sin = ((-1.951_529_6e-4 * square + 8.332_161e-3) * square - 1.666_665_5e-1) * square;
+    let sin = sin * rest + rest;
+    let cos = (2.443_315_7e-5 * square - 1.388_731_6e-3) * square + 4.166_664_6e-2;
+    let cos = cos * square * square - 0.5 * square + 1.0;
+    let (sin, cos) = if quarter & 1 == 0 { (sin, cos) } else { (cos, sin) };
+    // The second bit of the quarter, moved to where a number keeps its sign.
+    let flip = |value: f32, bits: u32| f32::from_bits(value.to_bits() ^ ((bits & 2) << 30));
+    (flip(sin, quarter), flip(cos, quarter.wrapping_add(1)))
 }

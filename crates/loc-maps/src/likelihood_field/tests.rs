@@ -1,10 +1,8 @@
 //! What cannot be seen from outside: the instructions that the loops were compiled for.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
 
-use super::rating::{InTiles, Rating};
-use super::readings::LogLikelihood;
-use super::view::{View, sin_cos};
-use super::*;
+use super::rating::{InTiles, LogLikelihood, Rating};
+use super::{View, sin_cos, *};
 use crate::grid::Cell;
 use loc_core::random::stream;
 use pulp::{Simd, WithSimd};
@@ -35,7 +33,7 @@ fn poses(rng: &mut impl Rng) -> [Vec<f64>; 3] {
     poses
 }
 
-/// The sum of codes as one would write it down: cell by cell, with every case told apart.
+/// The sum of codes in its plain form: cell by cell, each case separately.
 fn naive(field: &LikelihoodField, [x, y, theta]: [f64; 3], endpoints: &Endpoints) -> u64 {
     let View { u, v, cos, sin } = View::new(&field.frame, x, y, theta);
     let view = View { u: u + 8.0, v: v + 8.0, cos, sin };

@@ -1,7 +1,9 @@
 //! Bytes of a grid in tiles of 8 x 8, with a margin of one tile all round.
 
-use super::endpoints::BLOCK;
-use super::view::View;
+use super::View;
+use super::rating::BLOCK;
+use crate::grid::{Cell, GridFrame};
+use nalgebra::Point2;
 
 /// Side of a tile \[cells\]; the margin is as wide.
 const SIDE: usize = 8;
@@ -9,12 +11,12 @@ const SIDE: usize = 8;
 /// The bits of a number in single precision that hold its digits.
 const MANTISSA: u32 = (1 << (f32::MANTISSA_DIGITS - 1)) - 1;
 
-/// How many bytes the processor fetches together: a tile.
+/// Size of a cache line \[bytes\], equal to a tile.
 const LINE: usize = SIDE * SIDE;
 
-/// The longest side of a grid that coordinates in single precision are good for \[cells\]: at its
+/// Longest side of a grid for coordinates in single precision \[cells\]: at its
 /// far end they are rounded to 1/64 of a cell.
-pub(super) const LONGEST_SIDE: usize = 1 << 18;
+pub(super) const MAX_SIDE: usize = 1 << 18;
 
 #[derive(Debug)]
 pub(super) struct Tiles {
@@ -32,7 +34,7 @@ pub(super) struct Tiles {
 }
 
 impl Tiles {
-    /// Tiles for a grid with sides up to [`LONGEST_SIDE`], filled with the code of what lies off
+    /// Tiles for a grid with sides up to [`MAX_SIDE`], filled with the code of what lies off
     /// the map.
     pub(super) fn new(width: usize, height: usize, off_map: u8) -> Self {
         let [across, up] = [width, height].map(|cells| cells.div_ceil(SIDE) + 2);
@@ -49,7 +51,7 @@ impl Tiles {
         self.codes.len()
     }
 
-    /// Gives a cell of the grid its code.
+    /// Sets the code of a cell of the grid.
     pub(super) fn set(&mut self, column: usize, row: usize, code: u8) {
         let place = self.place((column + SIDE) as u32, (row + SIDE) as u32) as usize;
         if let Some(place) = self.codes.get_mut(self.start + place) {
@@ -63,7 +65,7 @@ impl Tiles {
         self.codes.get(self.start + place).copied().unwrap_or_default()
     }
 
-    /// The codes in the order in which places count them.
+    /// The codes in the order of the places.
     #[inline(always)]
     pub(super) fn codes(&self) -> &[u8] {
         self.codes.get(self.start..).unwrap_or_default()
@@ -120,9 +122,67 @@ impl Clone for Tiles {
     }
 }
 
-/// Memory with one line more than asked for, and where its first whole line begins.
+/// Memory of one line more than requested, and the offset of its first whole line.
 fn aligned(bytes: usize, value: u8) -> (Vec<u8>, usize) {
     let codes = vec![value; bytes + LINE];
     let start = codes.as_ptr().align_offset(LINE).min(LINE);
     (codes, start)
+}
+
+/// One byte a cell.
+#[derive(Debug, Clone)]
+pub(super) enum Codes {
+    /// Of a map of ordinary size.
+    Tiles(Tiles),
+    /// Of a map with so long a side that single precision cannot resolve its cells (13 km at
+    /// 5 cm): row by row, and after the last cell the code of what lies off the map.
+    Rows(Vec<u8>),
+}
+
+impl Codes {
+    /// Room for the codes of a grid, filled with that of what lies off the map.
+    pub(super) fn new(frame: &GridFrame, off_map: u8) -> Self {
+        if frame.width().max(frame.height()) <= MAX_SIDE {
+            Codes::Tiles(Tiles::new(frame.width(), frame.height(), off_map))
+        } else {
+            Codes::Rows(vec![off_map; frame.cell_count() + 1])
+        }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Codes::Tiles(tiles) => tiles.bytes(),
+            Codes::Rows(codes) => codes.len(),
+        }
+    }
+
+    /// Sets the code of a cell of the grid.
+    pub(super) fn set(&mut self, frame: &GridFrame, column: usize, row: usize, code: u8) {
+        match self {
+            Codes::Tiles(tiles) => tiles.set(column, row, code),
+            Codes::Rows(codes) => {
+                let index = frame.index(Cell::new(column, row));
+                if let Some(place) = index.and_then(|index| codes.get_mut(index)) {
+                    *place = code;
+                }
+            }
+        }
+    }
+
+    /// The code at a point of the map \[m\], or off it.
+    pub(super) fn at(&self, frame: &GridFrame, point: &Point2<f64>) -> u8 {
+        match self {
+            Codes::Tiles(tiles) => {
+                let at = frame.to_cells(point);
+                tiles.codes()[tiles.place_of(at.x, at.y) as usize]
+            }
+            Codes::Rows(codes) => codes[place_in_rows(frame, point)],
+        }
+    }
+}
+
+/// The place of a point in rows; that after the last cell for points off the map.
+pub(super) fn place_in_rows(frame: &GridFrame, point: &Point2<f64>) -> usize {
+    let cell = frame.cell_at(point).and_then(|cell| frame.index(cell));
+    cell.unwrap_or(frame.cell_count())
 }

@@ -1,4 +1,4 @@
-//! Which lines, and which parts of them, can be seen from a place.
+//! Which lines, and which parts of them, are visible from a position.
 //!
 //! The directions at which lines begin, end, or come into range cut the field of view into
 //! sectors. Within a sector no line begins or ends, so the nearest one at any direction comes from
@@ -14,13 +14,13 @@ use loc_core::{Pose2, angle};
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
-/// How far inside a sector its border is looked at \[rad\]; narrower sectors are passed over.
+/// How far inside a sector its border is evaluated \[rad\]; narrower sectors are passed over.
 const STEP: f64 = 1e-9;
 /// Parts with smaller gaps than this are one, as fraction of a line.
 const GAP: f64 = 1e-6;
 /// Parts shorter than this are none, as fraction of a line.
 const MIN_PART: f64 = 1e-9;
-/// Lines closer behind each other than this are the same to the eye \[m\].
+/// Lines closer behind each other than this count as equally near \[m\].
 const SAME: f64 = 1e-10;
 /// Cuts of one sector, at most.
 const CUTS: usize = 200;
@@ -34,7 +34,7 @@ pub struct VisibleLine {
     pub segment: LineSegment,
     /// (r, alpha) of the line in the robot's frame.
     pub normal_form: NormalForm,
-    /// The visible parts as fractions \[from, to\] of the way from start to end, in order.
+    /// The visible parts as fractions \[from, to\] of the length from start to end, in order.
     pub parts: Vec<[f64; 2]>,
 }
 
@@ -55,7 +55,7 @@ impl LineMap {
     ///
     /// `fov` is the whole field of view about the heading \[rad\], from 2 pi on all around;
     /// `max_range` \[m\] may be infinite. Hidden parts, and parts out of range, are cut away
-    /// (lecture ID H4). From a place on a line nothing is visible.
+    /// (lecture ID H4). From a position on a line nothing is visible.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for a pose that is not finite, and for `fov` and
@@ -167,7 +167,7 @@ impl View<'_> {
         let middle = (from + to) / 2.0;
         let direction = point.y.atan2(point.x) - self.heading;
         let direction = middle + angle::wrap(direction - middle);
-        // Neither NaN (parallel lines) nor a border gets on.
+        // NaN (parallel lines) and the borders are excluded.
         (direction > from + STEP && direction < to - STEP).then_some(direction)
     }
 

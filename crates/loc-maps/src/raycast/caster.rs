@@ -1,19 +1,17 @@
-//! Rays through lines of bits: all the cells that a ray passes in a line are looked at together.
+//! Ray casting on lines of bits: all the cells of a ray in one line are tested together.
 
 use super::GridRay;
-use super::bits::{BitLines, GROUP, MARGIN};
-use super::ray::fan;
-use super::search::Search;
-use crate::grid::{GridFrame, OccupancyGrid};
+use super::traversal::fan;
+use crate::grid::{Cell, GridFrame, OCCUPIED_FROM, OccupancyGrid};
 use loc_sensors::world::RangeWorld;
 use nalgebra::Point2;
 
 /// A grid prepared for casting many rays.
 ///
-/// It keeps one bit a cell, once by rows and once by columns, and for each four lines what any of
-/// them holds (a third of a byte a cell in all). A ray that runs more along x than along y passes
+/// It keeps one bit a cell, once by rows and once by columns, and for each four lines their
+/// union (a third of a byte a cell in all). A ray that runs more along x than along y passes
 /// a run of neighbouring cells in each row; one reading of eight bytes holds the runs of four
-/// rows, and only where something is set there the rows are looked at one by one. Steep rays do
+/// rows, and only where a bit is set there the rows are tested one by one. Steep rays do
 /// the same over columns. The answers are those of the exact traversal.
 #[derive(Debug, Clone)]
 pub struct RayCaster {
@@ -45,7 +43,7 @@ impl RayCaster {
 
     /// The length at which a ray meets its first occupied cell, `None` where there is none within
     /// `max_length`. All in the grid's frame \[cells\], the direction a unit vector: for loops that
-    /// turn directions themselves instead of asking for sine and cosine at every ray.
+    /// rotate directions themselves instead of computing sine and cosine for every ray.
     #[inline(always)]
     pub fn cast_in_cells(
         &self,
@@ -129,4 +127,224 @@ impl RangeWorld for RayCaster {
             Some(self.cast_in_cells(start, along, max_range / resolution)? * resolution)
         });
     }
+}
+
+/// How many cells one reading holds, wherever it begins.
+pub(super) const WINDOW: usize = 57;
+
+/// Lines in a group.
+pub(super) const GROUP: usize = 4;
+
+/// Cells of wall before the first cell of a line: no reading backwards reaches below them.
+pub(super) const MARGIN: usize = 64;
+
+/// Lines of bits, the rows of a grid or its columns, with a wall all round.
+///
+/// With the wall the search needs no test of whether the ray has left the grid: it is
+/// [`MARGIN`] cells deep before and after every line, and one group of lines below and above.
+#[derive(Debug, Clone)]
+pub(super) struct BitLines {
+    /// The lines, and the union of the lines of each group.
+    lines: Vec<u8>,
+    groups: Vec<u8>,
+    /// From one line to the next \[bytes\].
+    stride: usize,
+}
+
+impl BitLines {
+    /// The rows of a grid.
+    pub(super) fn rows(grid: &OccupancyGrid) -> Self {
+        BitLines::new(grid, grid.width(), grid.height(), |cell| (cell.column, cell.row))
+    }
+
+    /// The columns of a grid.
+    pub(super) fn columns(grid: &OccupancyGrid) -> Self {
+        BitLines::new(grid, grid.height(), grid.width(), |cell| (cell.row, cell.column))
+    }
+
+    fn new(
+        grid: &OccupancyGrid,
+        length: usize,
+        count: usize,
+        place: impl Fn(Cell) -> (usize, usize),
+    ) -> Self {
+        let stride = (length + 2 * MARGIN).div_ceil(8) + 8;
+        let count = count.next_multiple_of(GROUP) + 2 * GROUP;
+        let mut lines = vec![u8::MAX; stride * count];
+        for (cell, value) in grid.iter() {
+            let (along, line) = place(cell);
+            let (along, line) = (along + MARGIN, line + GROUP);
+            if value < OCCUPIED_FROM {
+                lines[line * stride + along / 8] &= !(1 << (along % 8));
+            }
+        }
+        let group = |lines: &[u8]| {
+            (0..stride)
+                .map(|k| (0..GROUP).fold(0, |all, line| all | lines[line * stride + k]))
+                .collect::<Vec<u8>>()
+        };
+        let groups = lines.chunks_exact(GROUP * stride).flat_map(group).collect();
+        BitLines { lines, groups, stride }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.lines.len() + self.groups.len()
+    }
+
+    /// The cells of a line from `from` on, at least [`WINDOW`] of them, from the lowest bit up.
+    #[inline(always)]
+    pub(super) fn line(&self, line: usize, from: usize) -> u64 {
+        read(&self.lines, line * self.stride, from)
+    }
+
+    /// The same of a group of lines together.
+    #[inline(always)]
+    pub(super) fn group(&self, group: usize, from: usize) -> u64 {
+        read(&self.groups, group * self.stride, from)
+    }
+}
+
+#[inline(always)]
+fn read(bytes: &[u8], line: usize, from: usize) -> u64 {
+    let start = line.wrapping_add(from / 8);
+    let eight = bytes.get(start..start.wrapping_add(8)).and_then(|bytes| bytes.try_into().ok());
+    // What cannot be read is wall.
+    eight.map_or(u64::MAX, u64::from_le_bytes) >> (from % 8)
+}
+
+/// A ray among lines: it runs more along them than across.
+///
+/// Positions along the lines are whole numbers with `fraction_bits` binary places, so that the
+/// cells of a group of lines are exactly those of its lines.
+#[derive(Debug)]
+pub(super) struct Search<'a> {
+    pub(super) lines: &'a BitLines,
+    /// The line that the ray starts in, and the cell there.
+    pub(super) line: usize,
+    pub(super) cell: usize,
+    /// How many lines it crosses at most.
+    pub(super) crossed: usize,
+    pub(super) upward: bool,
+    /// Where it leaves the first line, and how far it runs in each line.
+    pub(super) leaving: i64,
+    pub(super) run: i64,
+    pub(super) fraction_bits: u32,
+}
+
+impl Search<'_> {
+    /// The line and the cell in it that the ray meets first; `None` where it ends before.
+    #[inline(always)]
+    pub(super) fn first_hit(&self) -> Option<(usize, usize)> {
+        // A reading holds the cells of a group, of a line, or only a part of them.
+        let run = (self.run.unsigned_abs() >> self.fraction_bits) as usize;
+        match (self.run >= 0, run) {
+            (true, ..GROUP_RUN) => self.by_groups::<true>(),
+            (false, ..GROUP_RUN) => self.by_groups::<false>(),
+            (true, ..LINE_RUN) => self.by_lines::<true, true>(0, self.crossed),
+            (false, ..LINE_RUN) => self.by_lines::<false, true>(0, self.crossed),
+            (true, _) => self.by_lines::<true, false>(0, self.crossed),
+            (false, _) => self.by_lines::<false, false>(0, self.crossed),
+        }
+    }
+
+    /// Group after group, and line after line where a group holds something near the ray.
+    #[inline(always)]
+    fn by_groups<const FORWARD: bool>(&self) -> Option<(usize, usize)> {
+        let within = self.line % GROUP;
+        let rest = if self.upward { GROUP - 1 - within } else { within };
+        let mut group = self.line / GROUP;
+        let (mut from, mut leaving) = (self.cell, self.leaving + rest as i64 * self.run);
+        let (step, run) = (if self.upward { 1 } else { usize::MAX }, GROUP as i64 * self.run);
+        // The first and the last line of the part of the ray in this group, counted from its start.
+        let mut first = 0;
+        let mut last = rest;
+        while first <= self.crossed {
+            let to = (leaving >> self.fraction_bits) as usize;
+            let lowest = if FORWARD { from } else { to };
+            let set = self.lines.group(group, lowest) & span::<FORWARD>(from, to);
+            if set != 0 {
+                let hit = self.by_lines::<FORWARD, true>(first, last);
+                if hit.is_some() {
+                    return hit;
+                }
+            }
+            (from, leaving) = (to, leaving + run);
+            group = group.wrapping_add(step);
+            (first, last) = (last + 1, last + GROUP);
+        }
+        None
+    }
+
+    /// Line after line, from the `first` that the ray passes to the `last`. `SHORT`: a reading
+    /// holds all cells of the ray in a line.
+    #[inline(always)]
+    fn by_lines<const FORWARD: bool, const SHORT: bool>(
+        &self,
+        first: usize,
+        last: usize,
+    ) -> Option<(usize, usize)> {
+        let mut leaving = self.leaving + first as i64 * self.run;
+        let before = ((leaving - self.run) >> self.fraction_bits) as usize;
+        let mut from = if first == 0 { self.cell } else { before };
+        for passed in first..=last {
+            // A long run may end below the wall before the line.
+            let to = leaving >> self.fraction_bits;
+            let to = if SHORT { to } else { to.max(0) } as usize;
+            let line =
+                if self.upward { self.line + passed } else { self.line.wrapping_sub(passed) };
+            let found = if SHORT {
+                self.in_window::<FORWARD>(line, from, to)
+            } else {
+                self.in_run::<FORWARD>(line, from, to)
+            };
+            if let Some(cell) = found {
+                return Some((line, cell));
+            }
+            (from, leaving) = (to, leaving + self.run);
+        }
+        None
+    }
+
+    /// The first cell set from `from` to `to`, which one reading holds.
+    #[inline(always)]
+    fn in_window<const FORWARD: bool>(&self, line: usize, from: usize, to: usize) -> Option<usize> {
+        let lowest = if FORWARD { from } else { to };
+        let set = self.lines.line(line, lowest) & span::<FORWARD>(from, to);
+        let bit = if FORWARD { set.trailing_zeros() } else { 63 - (set | 1).leading_zeros() };
+        (set != 0).then_some(lowest + bit as usize)
+    }
+
+    /// The same for runs of any length, one reading after the other.
+    fn in_run<const FORWARD: bool>(
+        &self,
+        line: usize,
+        mut from: usize,
+        to: usize,
+    ) -> Option<usize> {
+        loop {
+            let end = if FORWARD {
+                to.min(from + WINDOW - 1)
+            } else {
+                to.max(from.saturating_sub(WINDOW - 1))
+            };
+            let found = self.in_window::<FORWARD>(line, from, end);
+            if found.is_some() || end == to {
+                return found;
+            }
+            from = end;
+        }
+    }
+}
+
+/// The longest run in a line for which a reading holds all cells of a group.
+const GROUP_RUN: usize = (WINDOW - 2) / GROUP - 1;
+
+/// The longest run for which a reading holds all cells of a line.
+const LINE_RUN: usize = WINDOW - 2;
+
+/// The lowest bits, as many as there are cells from `from` to `to`.
+#[inline(always)]
+fn span<const FORWARD: bool>(from: usize, to: usize) -> u64 {
+    let cells = if FORWARD { to.wrapping_sub(from) } else { from.wrapping_sub(to) };
+    u64::MAX >> (63_usize.wrapping_sub(cells) & 63)
 }

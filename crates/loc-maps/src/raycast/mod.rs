@@ -1,14 +1,14 @@
 //! Casting rays through an occupancy grid: how far is the wall in this direction?
 //!
-//! It is what a laser measures, so both the simulated sensor and the beam model of a particle
-//! filter ask it thousands of times a second. The answer is exact: the distance at which the ray
+//! It is what a laser measures, used by the simulated sensor and by the beam model of a particle
+//! filter thousands of times a second. The answer is exact: the distance at which the ray
 //! enters the first occupied cell, for any pose on the map or off it (what lies off the map is
 //! free), with the yaw of the map's origin honoured.
 //!
-//! [`OccupancyGrid`](crate::OccupancyGrid) casts by walking from cell to cell (Amanatides and Woo,
-//! "A fast voxel traversal algorithm", 1987): no preparation, a step for every cell.
+//! [`OccupancyGrid`](crate::OccupancyGrid) casts by traversal from cell to cell (Amanatides and
+//! Woo, "A fast voxel traversal algorithm", 1987): no preparation, a step for every cell.
 //! [`RayCaster`] gives the same answers faster, for casting many rays through a map that stays as
-//! it is: it keeps one bit a cell and looks at all the cells that a ray passes in a row at once.
+//! it is: it keeps one bit a cell and tests all the cells of a ray in one row at once.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -25,12 +25,8 @@
 //! # Ok::<(), loc_maps::Error>(())
 //! ```
 
-mod bits;
 mod caster;
-mod ray;
-mod search;
 mod traversal;
 
 pub use caster::RayCaster;
-pub use ray::GridRay;
-pub use traversal::Traversal;
+pub use traversal::{GridRay, Traversal};

@@ -1,9 +1,10 @@
 //! The topological map (C4): a graph of neighbouring places.
 //!
-//! People do not give coordinates, they say "down the corridor, through the second door". This map
-//! knows places (rooms, corridors, doors) and which of them are neighbours, and finds the shortest
-//! way from one to another. It is drawn by hand in a TOML file, or extracted from an occupancy
-//! grid by [`TopologicalMap::from_grid`], which takes narrow passages for doors.
+//! People describe routes by places ("down the corridor, through the second door"), not by
+//! coordinates. This map holds places (rooms, corridors, doors) and which of them are neighbours,
+//! and finds the shortest path from one to another. It is drawn by hand in a TOML file, or
+//! extracted from an occupancy grid by [`TopologicalMap::from_grid`], which takes narrow passages
+//! for doors.
 //!
 //! ```
 //! # #[cfg(feature = "serde")] {
@@ -40,14 +41,10 @@
 //! ```
 
 mod extract;
-mod place;
-mod route;
 #[cfg(feature = "serde")]
 mod toml_file;
 
 pub use extract::ExtractSettings;
-pub use place::{Edge, Place, PlaceKind};
-pub use route::Route;
 
 use crate::bounds::coordinate;
 use crate::{Bounds, Error, Result};
@@ -104,7 +101,7 @@ impl TopologicalMap {
         self.by_name.get(name).copied()
     }
 
-    /// The neighbours of a place, with the length of the way to each \[m\]; none for an index that
+    /// The neighbours of a place, with the length of the path to each \[m\]; none for an index that
     /// no place has.
     pub fn neighbours(&self, place: usize) -> &[(usize, f64)] {
         self.neighbours.get(place).map_or(&[], Vec::as_slice)
@@ -171,9 +168,38 @@ impl TopologicalMap {
         self.edges.push(edge);
         Ok(())
     }
+
+    /// The shortest path from one place to another (Dijkstra 1959), `None` where there is none.
+    ///
+    /// Buildings have at most some thousand places, so the nearest open place is found by a linear
+    /// search.
+    pub fn shortest_path(&self, from: usize, to: usize) -> Option<Route> {
+        let count = self.places().len();
+        if from >= count || to >= count {
+            return None;
+        }
+        let mut length = vec![f64::INFINITY; count];
+        let mut before = vec![from; count];
+        let mut open: Vec<usize> = (0..count).collect();
+        length[from] = 0.0;
+        while let Some(nearest) = take_nearest(&mut open, &length) {
+            if nearest == to || length[nearest].is_infinite() {
+                break;
+            }
+            for &(next, step) in self.neighbours(nearest) {
+                if length[nearest] + step < length[next] {
+                    length[next] = length[nearest] + step;
+                    before[next] = nearest;
+                }
+            }
+        }
+        length[to]
+            .is_finite()
+            .then(|| Route { places: trace(&before, from, to), length: length[to] })
+    }
 }
 
-/// What is stored of a map: the rest follows from it.
+/// The serialized form: places and edges, from which the rest is computed.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Stored {
@@ -194,4 +220,123 @@ impl From<TopologicalMap> for Stored {
     fn from(map: TopologicalMap) -> Self {
         Stored { places: map.places, edges: map.edges }
     }
+}
+
+/// The kind of a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+pub enum PlaceKind {
+    /// A room.
+    Room,
+    /// A corridor, which leads from place to place.
+    Corridor,
+    /// A door, a narrow passage between two others.
+    Door,
+}
+
+/// A place of a [`TopologicalMap`].
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Place {
+    /// Its name, which no other place has.
+    pub name: String,
+    /// Its kind.
+    pub kind: PlaceKind,
+    /// A point in it where a robot can stand \[m\].
+    pub position: Point2<f64>,
+    /// Its width \[m\], where known: of a door the clear width.
+    pub width: Option<f64>,
+    /// The corners of its outline in order \[m\], the last joined to the first; may be empty.
+    pub outline: Vec<Point2<f64>>,
+}
+
+/// Two places that are neighbours.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Edge {
+    /// The indices of the two places.
+    pub between: [usize; 2],
+    /// Length of the path from one to the other \[m\].
+    pub length: f64,
+    /// Points on the path from the first to the second \[m\]; none where it is straight.
+    pub via: Vec<Point2<f64>>,
+}
+
+impl Edge {
+    /// An edge between two places by their indices, with the length of the path \[m\].
+    pub fn new(from: usize, to: usize, length: f64) -> Self {
+        Edge { between: [from, to], length, via: Vec::new() }
+    }
+}
+
+/// Length of a path from point to point \[m\].
+fn path_length(points: impl IntoIterator<Item = Point2<f64>>) -> f64 {
+    let mut points = points.into_iter();
+    let Some(mut at) = points.next() else { return 0.0 };
+    points.map(|next| nalgebra::distance(&std::mem::replace(&mut at, next), &next)).sum()
+}
+
+impl PlaceKind {
+    /// The word that stands for it in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            PlaceKind::Room => "room",
+            PlaceKind::Corridor => "corridor",
+            PlaceKind::Door => "door",
+        }
+    }
+}
+
+impl Place {
+    /// A place at (x, y) \[m\], without outline or width.
+    pub fn new(name: impl Into<String>, kind: PlaceKind, x: f64, y: f64) -> Self {
+        let position = Point2::new(x, y);
+        Place { name: name.into(), kind, position, width: None, outline: Vec::new() }
+    }
+
+    /// Area inside the outline \[m^2\].
+    pub fn area(&self) -> f64 {
+        let next = self.outline.iter().cycle().skip(1);
+        let twice: f64 = self.outline.iter().zip(next).map(|(a, b)| a.coords.perp(&b.coords)).sum();
+        0.5 * twice.abs()
+    }
+
+    /// Whether a point lies inside the outline (counting how often a ray crosses it).
+    pub fn contains(&self, point: &Point2<f64>) -> bool {
+        let corners = self.outline.iter();
+        let next = self.outline.iter().cycle().skip(1);
+        let crossed = corners.zip(next).filter(|(a, b)| {
+            (a.y > point.y) != (b.y > point.y)
+                && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+        });
+        crossed.count() % 2 == 1
+    }
+}
+
+/// A path through a [`TopologicalMap`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Route {
+    /// The places from start to goal, both included.
+    pub places: Vec<usize>,
+    /// Its length \[m\].
+    pub length: f64,
+}
+
+/// Removes and returns the open place with the shortest path so far.
+fn take_nearest(open: &mut Vec<usize>, length: &[f64]) -> Option<usize> {
+    let by_length = |a: &usize, b: &usize| length[open[*a]].total_cmp(&length[open[*b]]);
+    let place = (0..open.len()).min_by(by_length)?;
+    Some(open.swap_remove(place))
+}
+
+fn trace(before: &[usize], from: usize, to: usize) -> Vec<usize> {
+    let mut places = vec![to];
+    let mut at = to;
+    while at != from {
+        at = before[at];
+        places.push(at);
+    }
+    places.reverse();
+    places
 }

@@ -1,7 +1,6 @@
 //! Topological maps as TOML files.
 
-use super::place::way_length;
-use super::{Edge, Place, PlaceKind, TopologicalMap};
+use super::{Edge, Place, PlaceKind, TopologicalMap, path_length};
 use crate::bounds::coordinate;
 use crate::{Error, Result};
 use loc_core::error::non_negative;
@@ -48,8 +47,9 @@ struct Source<'a> {
 }
 
 impl TopologicalMap {
-    /// Reads a TOML file of `[[place]]` (name, kind, position, and if wanted width and outline)
-    /// and `[[edge]]` (between two names, and if wanted length and points it leads via); lengths in \[m\].
+    /// Reads a TOML file of `[[place]]` (name, kind, position, and if wanted width and outline) and
+    /// `[[edge]]` (between two names, and if wanted length and points it leads via); lengths in
+    /// \[m\].
     ///
     /// # Errors
     /// [`Error::Toml`] with the line of whatever cannot be understood, of a second place of a
@@ -201,7 +201,7 @@ impl Source<'_> {
             let ends = [a, b].map(|place| places[place].position);
             let way = [ends[0]].into_iter().chain(via.iter().copied()).chain([ends[1]]);
             let length = self.non_negative("length [m]", entry.length.as_ref())?;
-            let length = length.unwrap_or_else(|| way_length(way));
+            let length = length.unwrap_or_else(|| path_length(way));
             edges.push(Edge { between: [a, b], length, via });
         }
         Ok(edges)

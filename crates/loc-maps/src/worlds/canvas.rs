@@ -1,4 +1,4 @@
-//! Drawing in metres on what becomes a grid.
+//! Drawing in metres on the cells of a grid.
 
 use super::{World, WorldSettings};
 use crate::grid::{GridFrame, Occupancy};
@@ -8,8 +8,8 @@ use nalgebra::Point2;
 
 /// Cells to draw on, all unknown at first.
 ///
-/// Worlds are drawn lying: x along the longer side, from (0, 0) at a corner. Where the grid stands
-/// upright, the canvas swaps the axes.
+/// Worlds are drawn lying: x along the longer side, from (0, 0) at a corner. Where the grid is
+/// higher than wide, the canvas swaps the axes.
 pub(super) struct Canvas {
     width: usize,
     height: usize,
@@ -104,14 +104,14 @@ impl Canvas {
     }
 }
 
-/// A landmark to be: its place \[m\], still without a number.
+/// A landmark without a number yet: its position \[m\], still without a number.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mark {
     pub(super) position: Point2<f64>,
     pub(super) height: f64,
 }
 
-/// The box between two places along x and two along y.
+/// The box between two coordinates along x and two along y.
 pub(super) fn bounds(x: [f64; 2], y: [f64; 2]) -> Bounds {
     Bounds { min: Point2::new(x[0], y[0]), max: Point2::new(x[1], y[1]) }
 }

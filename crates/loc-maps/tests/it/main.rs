@@ -2,12 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
 mod convert;
-mod distance;
-mod extract;
 mod extruded;
+mod fields;
 mod grid;
 mod landmark;
-mod likelihood_field;
 mod line;
 #[cfg(feature = "map-server")]
 mod map_server;
@@ -23,8 +21,6 @@ mod search_input;
 mod search_intel;
 mod search_places;
 mod topological;
-#[cfg(feature = "map-server")]
-mod wean;
 mod worlds;
 
 /// A folder of real recordings under `LOC_DATA_DIR`, or `None`, said aloud, where that is unset.

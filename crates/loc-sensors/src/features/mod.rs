@@ -20,11 +20,8 @@
 //! # Ok::<(), loc_core::Error>(())
 //! ```
 
-mod assemble;
 mod extract;
-mod fit;
 mod line;
-mod split;
 
 pub use extract::LineExtractor;
 pub use line::Line;

@@ -1,4 +1,4 @@
-//! A laser scanner (B8): a turning mirror sends a beam in a plane, the time until the light
+//! A laser scanner (B8): a turning mirror deflects a beam in a plane; the time until the light
 //! returns gives a distance for each of many directions.
 //!
 //! A [`LaserScan`] is what it reports of one turn, with the meaning of the ROS message.
@@ -18,14 +18,10 @@
 //! # Ok::<(), loc_core::Error>(())
 //! ```
 
-mod deskew;
-mod noise;
-mod optics;
 mod scan;
 mod simulated;
 mod spec;
 
-pub use noise::{LaserFaults, LaserNoise};
 pub use scan::{Beam, LaserScan};
 pub use simulated::LaserScanner;
-pub use spec::LaserSpec;
+pub use spec::{LaserFaults, LaserNoise, LaserSpec};

@@ -2,8 +2,8 @@
 
 use crate::check::{count, in_range, reach};
 use crate::{Error, Result};
-use loc_core::Pose2;
 use loc_core::error::{finite, non_negative};
+use loc_core::{Pose2, Twist2};
 use nalgebra::Point2;
 
 /// One sweep of a laser scanner, with the meaning of the ROS message of that name: angles count
@@ -139,6 +139,24 @@ impl LaserScan {
         self.beams().map(move |beam| {
             let (sin, cos) = (mounting.theta + beam.angle).sin_cos();
             Point2::new(mounting.x + beam.range * cos, mounting.y + beam.range * sin)
+        })
+    }
+
+    /// Where the valid beams ended, in the robot's frame at the time of beam 0 \[m\], of a robot
+    /// that moved with constant velocity during the sweep. The scanner sits at `mounting`
+    /// (`base_from_laser`).
+    ///
+    /// At 1 m/s and 40 Hz the last beam is measured 2 cm from the place of the first one; in a
+    /// quick turn the far end of a corridor moves by decimetres.
+    pub fn points_of_moving(
+        &self,
+        mounting: Pose2,
+        twist: Twist2,
+    ) -> impl Iterator<Item = Point2<f64>> + '_ {
+        self.beams().map(move |beam| {
+            let time = beam.index as f64 * self.time_increment;
+            let laser = Pose2::exp(&(twist.to_vector() * time)) * mounting;
+            laser.transform(&beam.point())
         })
     }
 }

@@ -1,11 +1,11 @@
-//! The simulated scanner.
+//! The simulated scanner: ray casting, glass and mirrors, noise and faults.
 
-use super::optics::through_panes;
 use super::{LaserFaults, LaserScan, LaserSpec};
 use crate::Result;
 use crate::check::finite_pose;
-use crate::world::RangeWorld;
+use crate::world::{RangeWorld, Surface};
 use loc_core::{Pose2, Twist2};
+use nalgebra::{Point2, Vector2};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -18,7 +18,7 @@ pub struct LaserScanner {
     pub mounting: Pose2,
     /// Its data sheet.
     pub spec: LaserSpec,
-    /// What goes wrong with single beams.
+    /// Faults of single beams.
     pub faults: LaserFaults,
 }
 
@@ -95,17 +95,17 @@ impl LaserScanner {
         spec.scan((0..self.beams()).map(measure).collect())
     }
 
-    /// Number of beams, within reason even where nobody has checked the settings.
+    /// Number of beams, limited even where the settings were not checked.
     fn beams(&self) -> usize {
         self.spec.beams.min(LaserScan::MAX_BEAMS)
     }
 
-    /// How far to look: noise may bring what is a little out of range into it.
+    /// Range of the ray casting: noise may bring a surface slightly beyond the maximum into range.
     fn reach(&self) -> f64 {
         self.spec.range_max + 5.0 * self.spec.noise.sigma_at(self.spec.range_max)
     }
 
-    /// What the scanner says of a true distance \[m\], +inf for none.
+    /// The reported range for a true distance \[m\], +inf for none.
     ///
     /// Draws one fault and one error for every beam, whether they matter or not.
     fn report<R: Rng + ?Sized>(&self, distance: f64, rng: &mut R) -> f64 {
@@ -131,4 +131,56 @@ impl LaserScanner {
             range
         }
     }
+}
+
+/// Number of panes after which a beam counts as lost, as between two mirrors.
+const MAX_PANES: usize = 16;
+
+/// Length of the path \[m\] that a beam takes through the panes of a world until it returns, +inf
+/// where it does not within `reach`. `wall` is the distance to the first wall without them.
+pub(super) fn through_panes<R: Rng + ?Sized>(
+    world: &(impl RangeWorld + ?Sized),
+    mut origin: Point2<f64>,
+    mut direction: f64,
+    mut wall: f64,
+    reach: f64,
+    rng: &mut R,
+) -> f64 {
+    let (mut travelled, mut last) = (0.0, None);
+    for _ in 0..MAX_PANES {
+        let (sin, cos) = direction.sin_cos();
+        let along = Vector2::new(cos, sin);
+        let Some((index, distance)) = nearest(world, &origin, &along, last) else {
+            return travelled + wall;
+        };
+        if distance >= wall || travelled + distance > reach {
+            return travelled + wall;
+        }
+        origin += along * distance;
+        travelled += distance;
+        last = Some(index);
+        match world.panes()[index].surface {
+            Surface::Glass { pass } if rng.random::<f64>() >= pass => return travelled,
+            Surface::Glass { .. } => wall -= distance,
+            Surface::Mirror => {
+                direction = world.panes()[index].reflect(direction);
+                let rest = reach - travelled;
+                wall = world.cast(&origin, direction, rest).unwrap_or(f64::INFINITY);
+            }
+        }
+    }
+    f64::INFINITY
+}
+
+/// The nearest pane along a ray and its distance \[m\], without the one that the ray starts on.
+fn nearest(
+    world: &(impl RangeWorld + ?Sized),
+    origin: &Point2<f64>,
+    along: &Vector2<f64>,
+    start: Option<usize>,
+) -> Option<(usize, f64)> {
+    let panes = world.panes().iter().enumerate().filter(|(index, _)| Some(*index) != start);
+    panes
+        .filter_map(|(index, pane)| pane.distance(origin, along).map(|range| (index, range)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -1,9 +1,9 @@
-//! What a data sheet says of a scanner.
+//! The data sheet of a scanner: angles, ranges, timing, noise; and faults of single beams.
 
-use super::{LaserNoise, LaserScan};
+use super::LaserScan;
 use crate::Result;
 use crate::check::{count, in_range, reach};
-use loc_core::error::{finite, positive};
+use loc_core::error::{finite, non_negative, positive, probability};
 use std::f64::consts::TAU;
 
 /// Angles, ranges, timing and noise of a scanner.
@@ -47,7 +47,7 @@ impl LaserSpec {
         LaserSpec { rate: 50.0, angle_increment, beams, ..LaserSpec::sick_lms100() }
     }
 
-    /// Hokuyo UST-10LX: 1081 beams over 270 deg at 40 Hz, 0.06 m to 10 m. The data sheet promises
+    /// Hokuyo UST-10LX: 1081 beams over 270 deg at 40 Hz, 0.06 m to 10 m. The data sheet states
     /// a repeated accuracy of sigma < 30 mm; that bound is the noise here, single devices are
     /// better.
     pub fn hokuyo_ust_10lx() -> Self {
@@ -60,8 +60,8 @@ impl LaserSpec {
         }
     }
 
-    /// A perfect scanner with `fov_deg` to look at in steps of `step_deg`, straight ahead in the
-    /// middle; 20 Hz, up to 30 m.
+    /// A perfect scanner with a field of view of `fov_deg` in steps of `step_deg`, straight ahead
+    /// in the middle; 20 Hz, up to 30 m.
     fn centered(fov_deg: f64, step_deg: f64) -> Self {
         LaserSpec {
             angle_min: -0.5 * fov_deg.to_radians(),
@@ -124,5 +124,68 @@ impl Default for LaserSpec {
     /// The [`LaserSpec::hokuyo_ust_10lx`].
     fn default() -> Self {
         LaserSpec::hokuyo_ust_10lx()
+    }
+}
+
+/// Normal errors of the range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct LaserNoise {
+    /// Standard deviation of a range at the scanner \[m\].
+    pub sigma: f64,
+    /// Its growth with the range \[m/m\].
+    pub sigma_per_m: f64,
+}
+
+impl LaserNoise {
+    /// A perfect scanner.
+    pub const NONE: LaserNoise = LaserNoise { sigma: 0.0, sigma_per_m: 0.0 };
+
+    /// Standard deviation of a range of `range` \[m\].
+    pub fn sigma_at(&self, range: f64) -> f64 {
+        self.sigma + self.sigma_per_m * range
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] for negative values, NaN and infinity.
+    pub fn check(&self) -> Result<()> {
+        non_negative("sigma of a laser's range [m]", self.sigma)?;
+        non_negative("growth of a laser's sigma [m/m]", self.sigma_per_m)?;
+        Ok(())
+    }
+}
+
+/// Faults of single beams, each with a probability. [`LaserFaults::NONE`] is a scanner
+/// in a clean room.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct LaserFaults {
+    /// The light does not come back (a black or shining surface): +inf.
+    pub dropout: f64,
+    /// The scanner reports an error (sunlight): NaN.
+    pub erroneous: f64,
+    /// An obstacle that is not on the map blocks the beam (a person): any shorter range.
+    pub short: f64,
+}
+
+impl LaserFaults {
+    /// No faults.
+    pub const NONE: LaserFaults = LaserFaults { dropout: 0.0, erroneous: 0.0, short: 0.0 };
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] for probabilities outside \[0, 1\] or with a sum above 1.
+    pub fn check(&self) -> Result<()> {
+        probability("probability of a dropout", self.dropout)?;
+        probability("probability of an erroneous beam", self.erroneous)?;
+        probability("probability of a short beam", self.short)?;
+        let sum = self.dropout + self.erroneous + self.short;
+        in_range("sum of a laser's fault probabilities", "at most 1", sum, |sum| sum <= 1.0)?;
+        Ok(())
     }
 }

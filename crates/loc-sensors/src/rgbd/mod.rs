@@ -1,11 +1,11 @@
-//! An RGB-D camera (B7): a picture in which every pixel knows its depth.
+//! An RGB-D camera (B7): an image with a depth for every pixel.
 //!
-//! A projector throws a pattern of dots on the scene, a camera beside it sees each dot shifted the
-//! more the nearer the surface is. That shift, the disparity, is measured in eighths of a pixel, so
-//! depth is coarse far away: the error grows with the square of the depth.
+//! A projector casts a pattern of dots on the scene; in the image of the camera beside it, each dot
+//! is shifted the more the nearer the surface is. That shift, the disparity, is measured in eighths
+//! of a pixel, so depth is coarse far away: the error grows with the square of the depth.
 //! [`DepthImage`] and [`ColorImage`] are what it reports, [`DepthCameraSpec`] is its data sheet
 //! with its [`DisparityNoise`], [`DepthCamera`] simulates it. [`DepthImage::points`] turns the
-//! picture into a point cloud, [`VirtualScan`] into what a laser scanner would have seen.
+//! picture into a point cloud, [`VirtualScan`] into the scan of a laser scanner.
 //!
 //! ```
 //! use loc_core::{Pose2, random::stream};
@@ -21,14 +21,9 @@
 //! ```
 
 mod image;
-mod noise;
-mod profile;
 mod simulated;
 mod spec;
-mod virtual_scan;
 
-pub use image::{CloudPoint, ColorImage, DepthImage, Frame};
-pub use noise::DisparityNoise;
+pub use image::{CloudPoint, ColorImage, DepthImage, Frame, VirtualScan};
 pub use simulated::DepthCamera;
-pub use spec::DepthCameraSpec;
-pub use virtual_scan::VirtualScan;
+pub use spec::{DepthCameraSpec, DisparityNoise};

@@ -1,9 +1,8 @@
 //! What a data sheet says of an RGB-D camera.
 
-use super::DisparityNoise;
 use crate::Result;
 use crate::check::{count, in_range, reach};
-use loc_core::error::positive;
+use loc_core::error::{non_negative, positive, probability};
 use std::f64::consts::PI;
 
 /// Picture, view, reach and noise of an RGB-D camera. Pixels are square, or nearly so: each axis
@@ -38,7 +37,7 @@ impl DepthCameraSpec {
 
     /// Asus Xtion PRO: 640 x 480 at 30 Hz, 58 x 45 deg, 0.8 m to 3.5 m.
     ///
-    /// The data sheet is silent on errors. The design is that of the Kinect: base 75 mm, disparity
+    /// The data sheet gives no errors. The design is that of the Kinect: base 75 mm, disparity
     /// in eighths of a pixel, half of one as its standard deviation after rounding (Khoshelham and
     /// Elberink 2012), which makes 6 mm at 2 m and 18 mm at 3.5 m.
     pub fn xtion_pro() -> Self {
@@ -118,4 +117,42 @@ fn slopes(pixels: usize, fov: f64) -> Vec<f64> {
     (0..pixels.min(DepthCameraSpec::MAX_PIXELS))
         .map(|k| (1.0 - (k as f64 + 0.5) / half) * edge)
         .collect()
+}
+
+/// Errors of the disparity, from which those of the depth follow:
+/// `sigma_z = z^2 / (f b) sigma_disparity` with focal length f and base b (Khoshelham and Elberink
+/// 2012).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct DisparityNoise {
+    /// Standard deviation of the disparity before it is rounded \[px\].
+    pub sigma: f64,
+    /// What the disparity is rounded to \[px\]; 0 for not at all.
+    pub step: f64,
+    /// Probability that a pixel measures nothing.
+    pub dropout: f64,
+}
+
+impl DisparityNoise {
+    /// A perfect camera.
+    pub const NONE: DisparityNoise = DisparityNoise { sigma: 0.0, step: 0.0, dropout: 0.0 };
+
+    /// Standard deviation of the disparity after rounding \[px\].
+    pub fn rounded_sigma(&self) -> f64 {
+        (self.sigma * self.sigma + self.step * self.step / 12.0).sqrt()
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] for negative values, NaN and infinity, rounding to more than a
+    /// pixel, and a probability outside \[0, 1\].
+    pub fn check(&self) -> Result<()> {
+        non_negative("sigma of the disparity [px]", self.sigma)?;
+        let fine = |step: f64| (0.0..=1.0).contains(&step);
+        in_range("step of the disparity [px]", "a number in [0, 1]", self.step, fine)?;
+        probability("probability that a pixel measures nothing", self.dropout)?;
+        Ok(())
+    }
 }

@@ -1,9 +1,9 @@
-//! What simulated sensors see of a world.
+//! The traits through which simulated sensors query a world.
 //!
-//! A sensor never knows which map it stands in: it asks through these traits, so any map can be
-//! its world. [`Landmarks`] is the smallest world with landmarks, a plain list; [`Room`] is the
-//! smallest one with walls, a rectangle with pillars whose distances are exact. Around any world
-//! with walls, [`Glazed`] puts window panes and mirrors, and [`Extruded`] gives them a height.
+//! A sensor depends on these traits only, so any map can be its world. [`Landmarks`] is the
+//! simplest world with landmarks, a plain list; [`Room`] is the simplest one with walls, a
+//! rectangle with pillars whose distances are exact. Around any world with walls, [`Glazed`] puts
+//! window panes and mirrors, and [`Extruded`] gives them a height.
 //!
 //! ```
 //! use loc_sensors::world::{RangeWorld, Room};
@@ -13,19 +13,15 @@
 //! # Ok::<(), loc_core::Error>(())
 //! ```
 
-mod landmarks;
-mod objects;
-mod pane;
 mod room;
 mod walls;
 
-pub use landmarks::Landmarks;
-pub use objects::{MovingObject, ObjectWorld};
-pub use pane::{Glazed, Pane, Surface};
-pub use room::{Pillar, Room};
+pub use room::{Glazed, Pane, Pillar, Room, Surface};
 pub use walls::{Extruded, Rgb, WallHit, WallWorld};
 
-use nalgebra::Point2;
+use crate::Result;
+use loc_core::error::{finite, non_negative};
+use nalgebra::{Point2, Vector2};
 
 /// A world with numbered landmarks.
 pub trait LandmarkWorld {
@@ -37,6 +33,31 @@ pub trait LandmarkWorld {
         radius: f64,
         visit: &mut dyn FnMut(u32, Point2<f64>),
     );
+}
+
+/// A list of numbered landmarks.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Landmarks(Vec<(u32, Point2<f64>)>);
+
+impl<const K: usize> From<[(u32, [f64; 2]); K]> for Landmarks {
+    fn from(landmarks: [(u32, [f64; 2]); K]) -> Self {
+        Landmarks(landmarks.into_iter().map(|(id, xy)| (id, Point2::from(xy))).collect())
+    }
+}
+
+impl LandmarkWorld for Landmarks {
+    fn visit_landmarks(
+        &self,
+        center: &Point2<f64>,
+        radius: f64,
+        visit: &mut dyn FnMut(u32, Point2<f64>),
+    ) {
+        for (id, position) in &self.0 {
+            if nalgebra::distance(center, position) <= radius {
+                visit(*id, *position);
+            }
+        }
+    }
 }
 
 /// A world with walls.
@@ -86,5 +107,54 @@ impl<W: RangeWorld + ?Sized> RangeWorld for &W {
 
     fn panes(&self) -> &[Pane] {
         (**self).panes()
+    }
+}
+
+/// A round object that moves through the world, such as a person.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct MovingObject {
+    /// Its middle in the map \[m\].
+    pub position: Point2<f64>,
+    /// Its velocity in the map \[m/s\].
+    pub velocity: Vector2<f64>,
+    /// Its radius \[m\].
+    pub radius: f64,
+}
+
+impl MovingObject {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] for a negative radius, NaN and infinity.
+    pub fn check(&self) -> Result<()> {
+        for value in self.position.iter() {
+            finite("position of an object [m]", *value)?;
+        }
+        for value in self.velocity.iter() {
+            finite("velocity of an object [m/s]", *value)?;
+        }
+        non_negative("radius of an object [m]", self.radius)?;
+        Ok(())
+    }
+}
+
+/// A world with moving objects.
+pub trait ObjectWorld {
+    /// Calls `visit` with each object whose middle is at most `radius` \[m\] from `center`, always
+    /// in the same order.
+    fn visit_objects(&self, center: &Point2<f64>, radius: f64, visit: &mut dyn FnMut(MovingObject));
+}
+
+impl ObjectWorld for [MovingObject] {
+    fn visit_objects(
+        &self,
+        center: &Point2<f64>,
+        radius: f64,
+        visit: &mut dyn FnMut(MovingObject),
+    ) {
+        let near = |object: &&MovingObject| nalgebra::distance(&object.position, center) <= radius;
+        self.iter().filter(near).for_each(|object| visit(*object));
     }
 }

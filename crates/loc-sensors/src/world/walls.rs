@@ -90,8 +90,8 @@ impl<W: RangeWorld> WallWorld for Extruded<W> {
     }
 }
 
-/// Several worlds in one place, such as high walls and low furniture: they hide one another by
-/// distance and height.
+/// Several worlds in one place, such as high walls and low furniture: they occlude one another
+/// by distance and height.
 impl WallWorld for [&dyn WallWorld] {
     fn visit_walls(
         &self,

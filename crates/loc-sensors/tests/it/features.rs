@@ -58,7 +58,8 @@ fn perfect_walls_are_found_exactly() {
     assert!(nalgebra::distance(&lines[2].start, &corner) < 0.05);
 }
 
-/// Lines, and their errors against the walls they belong to, of one scan in a room of its own, for each seed.
+/// Lines, and their errors against the walls they belong to, of one scan in a room of its own, for
+/// each seed.
 fn scans_of_rooms(sigma: f64, seeds: std::ops::Range<u64>) -> Vec<(Line, Vector2<f64>)> {
     let mut all = Vec::new();
     for seed in seeds {

@@ -2,13 +2,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
 mod compass;
-mod encoder;
 mod features;
 mod gnss;
 mod imu;
 mod landmark_camera;
 mod laser;
-mod laser_scan;
 mod radar;
 mod rgbd;
 #[cfg(feature = "serde")]

@@ -2,7 +2,7 @@
 
 use crate::metrics::{MethodSummary, PlanarErrors, Summary};
 use crate::record::Run;
-use loc_core::frames::Kurt2Pose;
+use loc_core::kinematics::Kurt2Pose;
 
 pub(super) const COLUMNS: [&str; 7] =
     ["ATE [m]", "max [m]", "end [m]", "head [deg]", "NEES", "used", "rejected"];

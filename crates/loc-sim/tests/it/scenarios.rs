@@ -1,7 +1,7 @@
 //! The lectures' numbers through whole scenarios.
 
 use approx::assert_relative_eq;
-use loc_core::frames::Kurt2Pose;
+use loc_core::kinematics::Kurt2Pose;
 use loc_sim::localizer::{Estimate, Method};
 use loc_sim::record::Run;
 use loc_sim::scenario::{Scenario, builtin};

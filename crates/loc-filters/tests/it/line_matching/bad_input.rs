@@ -45,7 +45,7 @@ fn maps_beliefs_and_settings_are_checked() {
         (change(|s| s.gate_probability = 0.0), "gate probability"),
         (change(|s| s.min_overlap = 1.5), "least overlap of lines"),
         (change(|s| s.slack = f64::NAN), "slack of the ends of walls [m]"),
-        (change(|s| s.motion.along = f64::INFINITY), "noise along the way [m]"),
+        (change(|s| s.motion.along = f64::INFINITY), "noise along the path [m]"),
         (change(|s| s.extractor.min_points = 2), "fewest points of a wall"),
         (change(|s| s.lost = LostSettings { min_share: 2.0, ..s.lost }), "least share of matched"),
         (

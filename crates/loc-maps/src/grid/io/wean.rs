@@ -2,7 +2,7 @@
 //!
 //! A header of `robot_specifications->` lines says the size of a cell in centimetres, a line
 //! `global_map[0]: M N` how many rows and columns follow. Each value is the probability that the
-//! cell is **free** (the note that comes with the recordings has it the other way round), -1 where
+//! cell is **free** (the note that comes with the recordings states the opposite), -1 where
 //! nothing is known. The row of the file counts along x, the column along y.
 
 use super::wrong;
