@@ -12,25 +12,14 @@
 //! ```
 
 pub mod builtin;
-mod fastslam;
-mod filter;
-mod fusion;
-pub mod ids;
-mod landmark_mcl;
-mod lateration;
+mod methods;
 pub mod recording;
-mod sensor;
-mod shorthand;
-mod slam;
 
-pub use fastslam::FastSlamConfig;
-pub use filter::FilterConfig;
-pub use fusion::FusionConfig;
-pub use landmark_mcl::LandmarkMclConfig;
-pub use lateration::LaterationConfig;
+pub use methods::{
+    FastSlamConfig, FilterConfig, FusionConfig, LandmarkMclConfig, LaterationConfig, SensorConfig,
+    SlamConfig,
+};
 pub use recording::{RecordingConfig, StartConfig};
-pub use sensor::SensorConfig;
-pub use slam::SlamConfig;
 
 use crate::demonstration::DemonstrationConfig;
 use crate::localizer::{Method, MethodSettings};
@@ -137,7 +126,7 @@ impl Scenario {
         if changes.is_empty() {
             return Ok(Vec::new());
         }
-        Ok(shorthand::expand(&config::table(file, text, &[])?, changes))
+        Ok(recording::expand(&config::table(file, text, &[])?, changes))
     }
 
     fn check(&self) -> Result<()> {
