@@ -3,8 +3,8 @@
 use super::Global;
 use super::console::Progress;
 use super::show::{Finished, OutputArgs, show, show_illustration};
-use crate::record::Filming;
-use crate::runner::Both;
+use crate::record::PlaybackRecorder;
+use crate::runner::Observers;
 use crate::scenario::{Scenario, builtin};
 use std::path::Path;
 
@@ -65,14 +65,14 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     let mut progress = Progress::new(&scenario.name, global);
     let methods = (!methods.is_empty()).then_some(methods.as_slice());
     let mut tell = |share| progress.tell(share);
-    let mut filming = Filming::new(&mut tell);
+    let mut playback = PlaybackRecorder::new(&mut tell);
     let (mut recorder, target) = args.output.recorder()?;
-    let mut watcher = Both(&mut filming, &mut recorder);
-    let mut run = scenario.run_watched(Some(seed), methods, &mut watcher)?;
+    let mut observer = Observers(&mut playback, &mut recorder);
+    let mut run = scenario.run_observed(Some(seed), methods, &mut observer)?;
     if let Some((recorder, target)) = recorder.zip(target) {
         target.finish(recorder)?;
     }
-    run.film = Some(filming.film);
+    run.playback = Some(playback.playback);
     progress.finish();
     let finished = Finished {
         run: &run,

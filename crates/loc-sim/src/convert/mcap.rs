@@ -3,7 +3,7 @@
 use super::{Converted, LeftOut, each};
 use crate::Result;
 use crate::output::mcap::McapRecorder;
-use crate::runner::Watcher;
+use crate::runner::Observer;
 use crate::source::Source;
 use loc_sensors::event::{Measurement, Payload};
 use std::path::Path;

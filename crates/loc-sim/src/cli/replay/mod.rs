@@ -9,8 +9,8 @@ use super::Global;
 use super::console::Progress;
 use super::show::{Finished, OutputArgs, show};
 use crate::localizer::{Method, MethodSettings};
-use crate::record::Filming;
-use crate::runner::Both;
+use crate::record::PlaybackRecorder;
+use crate::runner::Observers;
 use crate::scenario::recording;
 use crate::source::landmarks::{kf_slam_demo, victoria_park};
 use crate::source::laser_log::Scans;
@@ -126,14 +126,14 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let mut progress = Progress::new("replay", global);
     let source = replay.source.as_mut();
     let mut tell = |share| progress.tell(share);
-    let mut filming = Filming::new(&mut tell);
+    let mut playback = PlaybackRecorder::new(&mut tell);
     let (mut recorder, target) = args.output.recorder()?;
-    let mut watcher = Both(&mut filming, &mut recorder);
-    let mut run = runner::run_watched(source, methods, &replay.settings, &mut watcher)?;
+    let mut observer = Observers(&mut playback, &mut recorder);
+    let mut run = runner::run_observed(source, methods, &replay.settings, &mut observer)?;
     if let Some((recorder, target)) = recorder.zip(target) {
         target.finish(recorder)?;
     }
-    run.film = Some(filming.film);
+    run.playback = Some(playback.playback);
     progress.finish();
     let took = begin.elapsed().as_secs_f64();
     let name = run.setup.name.replace(' ', "-");

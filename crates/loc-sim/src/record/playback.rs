@@ -1,104 +1,104 @@
-//! A run as a film: what was to be seen at each moment.
+//! Frames of a run for the playback in the report: scan, landmarks and beliefs over time.
 
 use crate::Result;
 use crate::localizer::{Hypothesis, Localizer};
-use crate::runner::Watcher;
+use crate::runner::Observer;
 use loc_core::Pose2;
 use loc_sensors::event::{Event, Measurement, Payload};
 use loc_sensors::landmark_camera::Observed;
 use std::f64::consts::TAU;
 
-/// The most moments that are kept: a quarter of an hour at 10 Hz.
+/// Largest number of frames: a quarter of an hour at 10 Hz.
 const FRAMES: usize = 9000;
 
-/// The most points of a scan that are kept.
+/// Largest number of points of a scan in a frame.
 const POINTS: usize = 72;
 
-/// The most particles of a method that are kept at one moment.
+/// Largest number of particles of a method in a frame.
 const PARTICLES: usize = 120;
 
-/// What was to be seen at every moment at which the methods were asked for their estimates.
+/// The frames at the stamps of the estimates.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Film {
-    /// The moments, in order of time.
+pub struct Playback {
+    /// The frames, in order of time.
     pub frames: Vec<Frame>,
     /// Frame k belongs to stamp k * `every` of the run.
     pub every: usize,
-    /// How many stamps there have been.
+    /// Number of stamps so far.
     taken: usize,
-    /// What the sensors have reported since the last frame.
-    next: Seen,
+    /// Measurements since the last frame.
+    next: Detections,
 }
 
-/// One moment.
+/// One frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Frame {
-    /// Where beams ended since the last frame, on the robot (forward, left) \[m\].
+    /// End points of beams since the last frame, on the robot (forward, left) \[m\].
     pub scan: Vec<[f32; 2]>,
-    /// Where landmarks were seen since the last frame, on the robot \[m\].
+    /// Observed landmarks since the last frame, on the robot \[m\].
     pub sights: Vec<[f32; 2]>,
-    /// What each method of the run believed, in their order.
-    pub methods: Vec<Inside>,
+    /// The belief of each method of the run, in their order.
+    pub methods: Vec<MethodFrame>,
 }
 
-/// What a method believed at one moment, beside its estimate.
+/// The belief of a method in a frame, beside its estimate.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Inside {
-    /// How many particles it had.
+pub struct MethodFrame {
+    /// Number of particles.
     pub particle_count: usize,
     /// Some of them: x, y \[m\] and heading \[rad\].
     pub particles: Vec<[f32; 3]>,
     /// Some of them before the last resampling, where the method keeps them.
     pub weighed: Vec<[f32; 3]>,
-    /// The poses that it held possible.
+    /// The pose hypotheses.
     pub hypotheses: Vec<Hypothesis>,
 }
 
-/// What sensors reported.
+/// Measurements, on the robot.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct Seen {
+struct Detections {
     scan: Vec<[f32; 2]>,
     sights: Vec<[f32; 2]>,
 }
 
-/// Keeps the film of a run, and tells somebody else about its progress.
-pub struct Filming<'a> {
-    /// What has been filmed.
-    pub film: Film,
-    told: &'a mut dyn FnMut(f64),
+/// Records the frames of a run, and reports its progress.
+pub struct PlaybackRecorder<'a> {
+    /// The frames so far.
+    pub playback: Playback,
+    progress: &'a mut dyn FnMut(f64),
 }
 
-impl<'a> Filming<'a> {
-    /// Nothing yet; `told` is told the share of the run that is done.
-    pub fn new(told: &'a mut dyn FnMut(f64)) -> Self {
-        Filming { film: Film { every: 1, ..Film::default() }, told }
+impl<'a> PlaybackRecorder<'a> {
+    /// No frames yet; `progress` gets the share of the run that is done.
+    pub fn new(progress: &'a mut dyn FnMut(f64)) -> Self {
+        PlaybackRecorder { playback: Playback { every: 1, ..Playback::default() }, progress }
     }
 }
 
-impl Watcher for Filming<'_> {
+impl Observer for PlaybackRecorder<'_> {
     fn progress(&mut self, share: f64) {
-        (self.told)(share);
+        (self.progress)(share);
     }
 
     fn event(&mut self, event: &Event) -> Result<()> {
         if let Payload::Measurement(measurement) = &event.payload {
-            self.film.next.see(measurement);
+            self.playback.next.add(measurement);
         }
         Ok(())
     }
 
     fn estimated(&mut self, _stamp: f64, methods: &[&dyn Localizer]) -> Result<()> {
-        if self.film.is_due() {
-            let Seen { scan, sights } = std::mem::take(&mut self.film.next);
-            let methods = methods.iter().map(|method| Inside::of(*method)).collect();
-            self.film.frames.push(Frame { scan, sights, methods });
+        if self.playback.is_due() {
+            let Detections { scan, sights } = std::mem::take(&mut self.playback.next);
+            let methods = methods.iter().map(|method| MethodFrame::of(*method)).collect();
+            self.playback.frames.push(Frame { scan, sights, methods });
         }
         Ok(())
     }
 }
 
-impl Film {
-    /// Counts a stamp and says whether it is to be filmed; of a long run every second one is not.
+impl Playback {
+    /// Counts a stamp and returns whether it becomes a frame; long runs drop every second one.
     fn is_due(&mut self) -> bool {
         if self.frames.len() >= FRAMES && self.taken.is_multiple_of(2 * self.every) {
             self.every *= 2;
@@ -113,14 +113,14 @@ impl Film {
     }
 }
 
-impl Seen {
-    fn see(&mut self, measurement: &Measurement) {
+impl Detections {
+    fn add(&mut self, measurement: &Measurement) {
         match measurement {
             Measurement::Scan { scan, mounting } => {
                 self.scan = scan.points(*mounting).map(|p| [p.x as f32, p.y as f32]).collect();
                 thin(&mut self.scan, POINTS);
             }
-            // Where the camera sits is known to the methods alone; at this scale it is the robot.
+            // The camera's mounting is known to the methods only; it is negligible at this scale.
             Measurement::Landmarks(observations) => {
                 for observation in observations {
                     if let Observed::RangeBearing { range, bearing } = observation.sight {
@@ -134,10 +134,10 @@ impl Seen {
     }
 }
 
-impl Inside {
+impl MethodFrame {
     fn of(method: &dyn Localizer) -> Self {
         let cloud = method.cloud().unwrap_or_default();
-        Inside {
+        MethodFrame {
             particle_count: method.particle_count(),
             particles: poses(&cloud.particles),
             weighed: poses(cloud.weighed.as_deref().unwrap_or_default()),
@@ -155,9 +155,9 @@ fn poses(particles: &[(Pose2, f64)]) -> Vec<[f32; 3]> {
     poses
 }
 
-/// Keeps every k-th, at most `most`.
-fn thin<T>(items: &mut Vec<T>, most: usize) {
-    let step = items.len().div_ceil(most).max(1);
+/// Keeps every k-th item, at most `max`.
+fn thin<T>(items: &mut Vec<T>, max: usize) {
+    let step = items.len().div_ceil(max).max(1);
     let mut index = 0_usize;
     items.retain(|_| {
         index += 1;
