@@ -1,8 +1,20 @@
 //! Runs several methods side by side over one stream of events.
+//!
+//! The path of a scan from file to pose:
+//!
+//! 1. a [`Source`] reads it and yields an [`Event`] ([`crate::source`]);
+//! 2. [`run_observed`] passes the event to every method;
+//! 3. the method's [`Localizer::correct`] updates the filter of `loc-filters` or `loc-pf` with it
+//!    (for particles: beams are selected, weighted by their likelihood, and the set is resampled);
+//! 4. its [`Judgement`]s go into the [`MethodRecord`];
+//! 5. at the next sample time, [`Localizer::estimate`] gives the pose and its covariance.
+//!
+//! The finished [`Run`] holds all estimates with the truth at the same stamps;
+//! [`Summary`](crate::metrics::Summary) computes the errors from it.
 
 use crate::localizer::{Judgement, Localizer, Method, MethodSettings, smoothed};
 use crate::metrics::BeamFit;
-use crate::record::{LineMoments, MethodRecord, Run, Snapshots};
+use crate::record::{MethodRecord, Run};
 use crate::source::{Setup, Source};
 use crate::{Error, Result};
 use loc_core::{Pose2, Stamped};
@@ -11,112 +23,47 @@ use loc_sensors::laser::LaserScan;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Shortest time between two estimates that are asked for \[s\].
+/// Shortest time between two sampled estimates \[s\].
 const PERIOD: f64 = 0.1;
 
-/// Rounding that a period of exactly [`PERIOD`] may have \[s\].
+/// Rounding error that a period of exactly [`PERIOD`] may have \[s\].
 const ROUNDING: f64 = 1e-6;
 
-/// Looks on while methods run: shows progress, keeps a film, writes a recording.
-pub trait Watcher {
-    /// The share of the run that is done, in \[0, 1\], after every estimate.
-    fn progress(&mut self, share: f64);
-
-    /// What is known before the first event, and the names of the methods that are to run.
-    ///
-    /// # Errors
-    /// Whatever ends the run.
-    fn started(&mut self, _setup: &Setup, _methods: &[String]) -> Result<()> {
-        Ok(())
-    }
-
-    /// An event, before any method takes it in.
-    ///
-    /// # Errors
-    /// Whatever ends the run.
-    fn event(&mut self, _event: &Event) -> Result<()> {
-        Ok(())
-    }
-
-    /// The methods after they were asked for their estimate of a time \[s\].
-    ///
-    /// # Errors
-    /// Whatever ends the run.
-    fn estimated(&mut self, _stamp: f64, _methods: &[&dyn Localizer]) -> Result<()> {
-        Ok(())
-    }
-}
-
-/// Two watchers, the second where there is one.
-#[cfg(feature = "cli")]
-pub(crate) struct Both<'a, A, B>(pub(crate) &'a mut A, pub(crate) &'a mut Option<B>);
-
-#[cfg(feature = "cli")]
-impl<A: Watcher, B: Watcher> Watcher for Both<'_, A, B> {
-    fn progress(&mut self, share: f64) {
-        self.0.progress(share);
-    }
-
-    fn started(&mut self, setup: &Setup, methods: &[String]) -> Result<()> {
-        self.0.started(setup, methods)?;
-        self.1.as_mut().map_or(Ok(()), |second| second.started(setup, methods))
-    }
-
-    fn event(&mut self, event: &Event) -> Result<()> {
-        self.0.event(event)?;
-        self.1.as_mut().map_or(Ok(()), |second| second.event(event))
-    }
-
-    fn estimated(&mut self, stamp: f64, methods: &[&dyn Localizer]) -> Result<()> {
-        self.0.estimated(stamp, methods)?;
-        self.1.as_mut().map_or(Ok(()), |second| second.estimated(stamp, methods))
-    }
-}
-
-/// A watcher that shows progress alone.
-pub(crate) struct Told<'a>(pub(crate) &'a mut dyn FnMut(f64));
-
-impl Watcher for Told<'_> {
-    fn progress(&mut self, share: f64) {
-        (self.0)(share);
-    }
-}
-
-/// Runs methods over a source to its end. `progress` is told the share that is done, in \[0, 1\],
-/// at every estimate.
+/// Runs methods over a source to its end. `progress` gets the share that is done, in \[0, 1\], at
+/// every estimate.
 ///
 /// # Errors
-/// As [`run_watched`].
+/// As [`run_observed`].
 pub fn run(
     source: &mut dyn Source,
     methods: &[Method],
     settings: &MethodSettings,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run> {
-    run_watched(source, methods, settings, &mut Told(progress))
+    run_observed(source, methods, settings, &mut ProgressObserver(progress))
 }
 
-/// Runs methods over a source to its end, with somebody looking on.
+/// Runs methods over a source to its end and reports every step to an observer.
 ///
-/// Estimates are asked for at every true pose or, from a source without any, after every scan, and
+/// Estimates are sampled at the true poses or, from a source without any, after every scan, and
 /// without a laser after every measurement.
 ///
 /// # Errors
-/// What the source or a method reports; [`Error::NoTruth`] where true poses were promised and
-/// none came, or where there was no scan either.
-pub fn run_watched(
+/// What the source or a method reports; [`Error::NoTruth`] if there was nothing to sample at: no
+/// true pose of a source that has them, no scan, or no measurement.
+pub fn run_observed(
     source: &mut dyn Source,
     methods: &[Method],
     settings: &MethodSettings,
-    watcher: &mut dyn Watcher,
+    observer: &mut dyn Observer,
 ) -> Result<Run> {
     let setup = source.setup().clone();
-    let mut tape = Tape::of(methods, settings);
+    let mut smoothing = SmoothingInput::new(methods, settings);
     let mut runners = start(methods, &setup, settings)?;
     let names: Vec<String> =
         runners.iter().map(|runner| runner.record.name().into_owned()).collect();
-    watcher.started(&setup, &names)?;
-    let samples_at = match source.has_truth() {
+    observer.started(&setup, &names)?;
+    let is_sample = match source.has_truth() {
         true => is_truth,
         false if setup.has_laser => is_scan,
         false => is_measurement,
@@ -124,14 +71,14 @@ pub fn run_watched(
     let (mut stamps, mut truth): (Vec<f64>, Vec<Stamped<Truth>>) = Default::default();
     let mut last_scan = None;
     while let Some(event) = source.next_event()? {
-        watcher.event(&event)?;
-        tape.keep(&event);
-        runners.iter_mut().try_for_each(|runner| runner.take(&event))?;
+        observer.event(&event)?;
+        smoothing.push(&event);
+        runners.iter_mut().try_for_each(|runner| runner.update(&event))?;
         if let Payload::Measurement(Measurement::Scan { scan, mounting }) = &event.payload {
             last_scan = Some((scan.clone(), *mounting));
         }
         let due = stamps.last().map_or(setup.start, |last| last + PERIOD);
-        if !samples_at(&event) || event.stamp < due - ROUNDING {
+        if !is_sample(&event) || event.stamp < due - ROUNDING {
             continue;
         }
         if let Payload::Truth(value) = event.payload {
@@ -140,10 +87,10 @@ pub fn run_watched(
         stamps.push(event.stamp);
         runners.iter_mut().try_for_each(|runner| runner.estimate(event.stamp))?;
         let localizers: Vec<_> = runners.iter().map(|runner| runner.localizer.as_ref()).collect();
-        watcher.estimated(event.stamp, &localizers)?;
-        watcher.progress(share(setup.start, setup.end, event.stamp));
+        observer.estimated(event.stamp, &localizers)?;
+        observer.progress(share(setup.start, setup.end, event.stamp));
     }
-    watcher.progress(1.0);
+    observer.progress(1.0);
     if stamps.is_empty() {
         return Err(Error::NoTruth { source_name: setup.name });
     }
@@ -152,7 +99,7 @@ pub fn run_watched(
     let last_scan = last_scan.map(|scan| LastScan::new(&setup, scan)).transpose()?.flatten();
     let finish = |runner: Runner| runner.finish(last_scan.as_ref());
     let mut methods: Vec<_> = runners.into_iter().map(finish).collect::<Result<_>>()?;
-    methods.extend(tape.smoothed(&setup, settings, &stamps, &methods)?);
+    methods.extend(smoothing.records(&setup, settings, &stamps, &methods)?);
     Ok(Run {
         setup,
         settings: settings.clone(),
@@ -163,20 +110,20 @@ pub fn run_watched(
         sensor_truth: source.sensor_truth(),
         odometry_timing: source.odometry_timing(),
         notes,
-        film: None,
+        playback: None,
     })
 }
 
-/// The methods, and after them those that start a second time without a pose.
+/// The methods, and after them those that run a second time without a start pose.
 fn start(methods: &[Method], setup: &Setup, settings: &MethodSettings) -> Result<Vec<Runner>> {
     let mut runners = Vec::with_capacity(methods.len());
     for &method in methods {
         runners.push(Runner::new(method, setup, settings, false)?);
     }
     if settings.also_global && !settings.global {
-        let untold = MethodSettings { global: true, ..settings.clone() };
+        let global = MethodSettings { global: true, ..settings.clone() };
         for &method in methods.iter().filter(|method| method.can_search()) {
-            runners.push(Runner::new(method, setup, &untold, true)?);
+            runners.push(Runner::new(method, setup, &global, true)?);
         }
     }
     Ok(runners)
@@ -194,7 +141,92 @@ fn is_measurement(event: &Event) -> bool {
     matches!(event.payload, Payload::Measurement(_))
 }
 
-/// The last scan of a run, by which every method is judged.
+fn share(start: f64, end: f64, stamp: f64) -> f64 {
+    if end > start { ((stamp - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// One method with its record and its computing time.
+struct Runner {
+    localizer: Box<dyn Localizer>,
+    record: MethodRecord,
+    /// The estimated pose at the last scan.
+    pose_at_scan: Option<Pose2>,
+}
+
+impl Runner {
+    fn new(method: Method, setup: &Setup, settings: &MethodSettings, global: bool) -> Result<Self> {
+        let localizer = method.start(setup, settings)?;
+        let record = MethodRecord { global, ..MethodRecord::new(method, setup) };
+        let mut runner = Runner { localizer, record, pose_at_scan: None };
+        runner.record_belief(setup.start);
+        Ok(runner)
+    }
+
+    /// Predicts with a control, corrects with a measurement; the truth is not passed on.
+    fn update(&mut self, event: &Event) -> Result<()> {
+        let started = Instant::now();
+        let stamp = event.stamp;
+        match &event.payload {
+            Payload::Control(control) => self.localizer.predict(stamp, control)?,
+            Payload::Measurement(measurement) => {
+                let judgements = self.localizer.correct(stamp, measurement)?;
+                let stamped = judgements.into_iter().map(|value| Stamped { stamp, value });
+                self.record.judgements.extend(stamped);
+            }
+            Payload::Truth(_) => return Ok(()),
+        }
+        self.record.updates += 1;
+        self.record.runtime += started.elapsed().as_secs_f64();
+        if is_measurement(event) {
+            self.record_belief(stamp);
+        }
+        if is_scan(event) {
+            self.pose_at_scan = Some(self.localizer.estimate(stamp)?.pose);
+        }
+        if let Some(update) = self.localizer.lines().filter(|_| is_scan(event)) {
+            self.record.lines.offer(stamp, update);
+        }
+        Ok(())
+    }
+
+    /// Samples the estimate, and the estimated errors of sensors.
+    fn estimate(&mut self, stamp: f64) -> Result<()> {
+        let started = Instant::now();
+        self.record.estimates.push(self.localizer.estimate(stamp)?);
+        self.record.runtime += started.elapsed().as_secs_f64();
+        let errors = self.localizer.sensor_errors(stamp)?;
+        // The list stays empty for methods without such errors; the first one may come at any time.
+        if !errors.is_empty() {
+            self.record.sensor_errors.resize(self.record.estimates.len() - 1, Vec::new());
+            self.record.sensor_errors.push(errors);
+        }
+        Ok(())
+    }
+
+    /// Records particles or grid for figures; this does not count as computing time.
+    fn record_belief(&mut self, stamp: f64) {
+        if let Some(belief) = self.localizer.place_belief() {
+            self.record.beliefs.offer(stamp, belief);
+        }
+        if let Some(cloud) = self.localizer.cloud() {
+            self.record.snapshots.offer(stamp, cloud);
+        }
+    }
+
+    /// The notes of the method, each with its name.
+    fn notes(&self) -> Vec<String> {
+        let name = self.record.name();
+        self.localizer.notes().into_iter().map(|note| format!("{name}: {note}")).collect()
+    }
+
+    fn finish(self, last: Option<&LastScan>) -> Result<MethodRecord> {
+        let map = self.localizer.map()?;
+        let beam_fit = last.zip(self.pose_at_scan).and_then(|(last, pose)| last.fit(pose));
+        Ok(MethodRecord { map, beam_fit, ..self.record })
+    }
+}
+
+/// The last scan of a run, whose fit to the map is evaluated at the estimated pose of every method.
 struct LastScan {
     walls: BeamFit,
     scan: Arc<LaserScan>,
@@ -213,28 +245,28 @@ impl LastScan {
     }
 }
 
-/// The events that are kept for smoothing, where that is wanted.
-struct Tape {
+/// The methods to be smoothed after the run, and the events for that.
+struct SmoothingInput {
     methods: Vec<Method>,
     events: Vec<Event>,
 }
 
-impl Tape {
-    fn of(methods: &[Method], settings: &MethodSettings) -> Self {
-        let wanted =
+impl SmoothingInput {
+    fn new(methods: &[Method], settings: &MethodSettings) -> Self {
+        let smoothed =
             methods.iter().copied().filter(|method| settings.smooth && method.can_smooth());
-        Tape { methods: wanted.collect(), events: Vec::new() }
+        SmoothingInput { methods: smoothed.collect(), events: Vec::new() }
     }
 
-    fn keep(&mut self, event: &Event) {
+    fn push(&mut self, event: &Event) {
         if !self.methods.is_empty() && smoothed::is_input(event) {
             self.events.push(event.clone());
         }
     }
 
-    /// A further record for each method that can be smoothed. Its measurements are those of the
-    /// filter's, whose innovations are no longer its own.
-    fn smoothed(
+    /// A further record for each smoothed method. It repeats which measurements the filter
+    /// accepted; their innovations do not apply to smoothed estimates and are left out.
+    fn records(
         &self,
         setup: &Setup,
         settings: &MethodSettings,
@@ -247,124 +279,85 @@ impl Tape {
             let estimates = smoothed::smoothed(method, setup, settings, &self.events, stamps)?;
             let runtime = started.elapsed().as_secs_f64();
             let filter = records.iter().find(|record| record.method == method);
-            let judged = filter.into_iter().flat_map(|record| &record.judgements);
-            let judgements = judged.map(|judgement| Stamped {
+            let of_filter = filter.into_iter().flat_map(|record| &record.judgements);
+            let judgements = of_filter.map(|judgement| Stamped {
                 stamp: judgement.stamp,
                 value: Judgement { accepted: judgement.value.accepted, ..Judgement::REFUSED },
             });
             all.push(MethodRecord {
-                method,
-                global: false,
                 smoothed: true,
                 estimates,
                 judgements: judgements.collect(),
-                sensor_errors: Vec::new(),
-                snapshots: Snapshots::new(setup.kidnapped_at),
-                beliefs: Snapshots::new(setup.kidnapped_at),
-                lines: LineMoments::new(setup.start, setup.end),
-                map: None,
-                beam_fit: None,
                 updates: self.events.len(),
                 runtime,
+                ..MethodRecord::new(method, setup)
             });
         }
         Ok(all)
     }
 }
 
-/// One method with its record and its stopwatch.
-struct Runner {
-    localizer: Box<dyn Localizer>,
-    record: MethodRecord,
-    /// The pose at the last scan.
-    at_scan: Option<Pose2>,
-}
+/// Observes a run: progress bar, playback of the report, recording to a file.
+pub trait Observer {
+    /// The share of the run that is done, in \[0, 1\], after every estimate.
+    fn progress(&mut self, share: f64);
 
-impl Runner {
-    fn new(method: Method, setup: &Setup, settings: &MethodSettings, global: bool) -> Result<Self> {
-        let localizer = method.start(setup, settings)?;
-        let record = MethodRecord {
-            method,
-            global,
-            smoothed: false,
-            estimates: Vec::new(),
-            judgements: Vec::new(),
-            sensor_errors: Vec::new(),
-            snapshots: Snapshots::new(setup.kidnapped_at),
-            beliefs: Snapshots::new(setup.kidnapped_at),
-            lines: LineMoments::new(setup.start, setup.end),
-            map: None,
-            beam_fit: None,
-            updates: 0,
-            runtime: 0.0,
-        };
-        let mut runner = Runner { localizer, record, at_scan: None };
-        runner.keep_belief(setup.start);
-        Ok(runner)
-    }
-
-    /// Keeps the method's particles or grid for figures; this does not count as its time.
-    fn keep_belief(&mut self, stamp: f64) {
-        if let Some(belief) = self.localizer.place_belief() {
-            self.record.beliefs.offer(stamp, belief);
-        }
-        if let Some(cloud) = self.localizer.cloud() {
-            self.record.snapshots.offer(stamp, cloud);
-        }
-    }
-
-    fn take(&mut self, event: &Event) -> Result<()> {
-        let started = Instant::now();
-        let stamp = event.stamp;
-        match &event.payload {
-            Payload::Control(control) => self.localizer.predict(stamp, control)?,
-            Payload::Measurement(measurement) => {
-                let judgements = self.localizer.correct(stamp, measurement)?;
-                let stamped = judgements.into_iter().map(|value| Stamped { stamp, value });
-                self.record.judgements.extend(stamped);
-            }
-            Payload::Truth(_) => return Ok(()),
-        }
-        self.record.updates += 1;
-        self.record.runtime += started.elapsed().as_secs_f64();
-        if matches!(event.payload, Payload::Measurement(_)) {
-            self.keep_belief(stamp);
-        }
-        if is_scan(event) {
-            self.at_scan = Some(self.localizer.estimate(stamp)?.pose);
-        }
-        if let Some(update) = self.localizer.lines().filter(|_| is_scan(event)) {
-            self.record.lines.offer(stamp, update);
-        }
+    /// What is known before the first event, and the names of the methods that run.
+    ///
+    /// # Errors
+    /// Any error ends the run.
+    fn started(&mut self, _setup: &Setup, _methods: &[String]) -> Result<()> {
         Ok(())
     }
 
-    /// What the method has to say, with its name.
-    fn notes(&self) -> Vec<String> {
-        let name = self.record.name();
-        self.localizer.notes().into_iter().map(|note| format!("{name}: {note}")).collect()
+    /// An event, before it is passed to the methods.
+    ///
+    /// # Errors
+    /// Any error ends the run.
+    fn event(&mut self, _event: &Event) -> Result<()> {
+        Ok(())
     }
 
-    fn finish(self, last: Option<&LastScan>) -> Result<MethodRecord> {
-        let map = self.localizer.map()?;
-        let beam_fit = last.zip(self.at_scan).and_then(|(last, pose)| last.fit(pose));
-        Ok(MethodRecord { map, beam_fit, ..self.record })
-    }
-
-    fn estimate(&mut self, stamp: f64) -> Result<()> {
-        let started = Instant::now();
-        self.record.estimates.push(self.localizer.estimate(stamp)?);
-        self.record.runtime += started.elapsed().as_secs_f64();
-        let errors = self.localizer.sensor_errors(stamp)?;
-        // A sensor may be heard for the first time at any moment; methods without errors keep none.
-        if !errors.is_empty() {
-            self.record.sensor_errors.resize(self.record.estimates.len() - 1, Vec::new());
-            self.record.sensor_errors.push(errors);
-        }
+    /// The methods after their estimates of a time \[s\] were sampled.
+    ///
+    /// # Errors
+    /// Any error ends the run.
+    fn estimated(&mut self, _stamp: f64, _methods: &[&dyn Localizer]) -> Result<()> {
         Ok(())
     }
 }
 
-fn share(start: f64, end: f64, stamp: f64) -> f64 {
-    if end > start { ((stamp - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 }
+/// An observer of the progress alone.
+pub(crate) struct ProgressObserver<'a>(pub(crate) &'a mut dyn FnMut(f64));
+
+impl Observer for ProgressObserver<'_> {
+    fn progress(&mut self, share: f64) {
+        (self.0)(share);
+    }
+}
+
+/// Two observers, the second one optional.
+#[cfg(feature = "cli")]
+pub(crate) struct Observers<'a, A, B>(pub(crate) &'a mut A, pub(crate) &'a mut Option<B>);
+
+#[cfg(feature = "cli")]
+impl<A: Observer, B: Observer> Observer for Observers<'_, A, B> {
+    fn progress(&mut self, share: f64) {
+        self.0.progress(share);
+    }
+
+    fn started(&mut self, setup: &Setup, methods: &[String]) -> Result<()> {
+        self.0.started(setup, methods)?;
+        self.1.as_mut().map_or(Ok(()), |second| second.started(setup, methods))
+    }
+
+    fn event(&mut self, event: &Event) -> Result<()> {
+        self.0.event(event)?;
+        self.1.as_mut().map_or(Ok(()), |second| second.event(event))
+    }
+
+    fn estimated(&mut self, stamp: f64, methods: &[&dyn Localizer]) -> Result<()> {
+        self.0.estimated(stamp, methods)?;
+        self.1.as_mut().map_or(Ok(()), |second| second.estimated(stamp, methods))
+    }
 }

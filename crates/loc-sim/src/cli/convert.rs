@@ -1,15 +1,15 @@
 //! `loc-sim convert`: a recording in another format.
 
-use super::progress::Progress;
+use super::console::Progress;
 use super::replay::{Format, RosArgs, guess, open_landmarks};
-use super::{Global, interrupt};
+use super::{Global, console};
 use crate::convert::{Converted, Track, to_carmen, to_mcap, to_tum, transcribe};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{LaserLog, ReplayOptions, Start};
 use crate::source::ranging::{RangeRecording, RangingStart};
-use crate::source::ros::{self, McapWriter};
+use crate::source::ros::McapWriter;
 use crate::source::wean::WeanLog;
-use crate::source::{LaserRecording, Mrclam, RosRecording, Source};
+use crate::source::{LaserRecording, Mrclam, RosRecording, Source, ros};
 use crate::{Error, Result};
 use anyhow::bail;
 use loc_core::file::write_beside;
@@ -90,7 +90,7 @@ pub fn convert(args: &ConvertArgs, global: &Global) -> anyhow::Result<()> {
             Ok::<_, Error>(converted)
         }
     };
-    let converted = write_beside(out, |part| interrupt::filling(part, || write(part)))?;
+    let converted = write_beside(out, |part| console::filling(part, || write(part)))?;
     progress.finish();
     tell_of(&converted, args, global)
 }

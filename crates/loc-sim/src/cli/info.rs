@@ -1,14 +1,14 @@
 //! `loc-sim info`: what a recording holds.
 
 use super::Global;
-use super::progress::Progress;
+use super::console::Progress;
 use super::replay::{Format, guess, open_landmarks};
 use crate::source::carmen::CarmenLog;
-use crate::source::laser_log::{LaserLog, What};
+use crate::source::laser_log::LaserLog;
 use crate::source::ranging::{RangeRecording, RangingStart};
-use crate::source::ros::{self, Survey};
+use crate::source::ros::Survey;
 use crate::source::wean::WeanLog;
-use crate::source::{Mrclam, Source};
+use crate::source::{Mrclam, Source, ros};
 use loc_filters::slam::Identities;
 use loc_sensors::event::{Control, Measurement, Payload};
 use std::path::{Path, PathBuf};
@@ -169,12 +169,12 @@ impl Counter {
 fn entries(log: &LaserLog) -> Found {
     let mut counter = Counter::default();
     for entry in &log.entries {
-        let (topic, kind) = match &entry.what {
-            What::Odometry(_) => ("odometry", "pose"),
-            What::Scan(scan) if scan.truth.is_some() => ("laser", "scan with a corrected pose"),
-            What::Scan(_) => ("laser", "scan"),
-            What::Truth(_) => ("truth", "pose"),
-            What::Measured(_) => ("other", "measurement"),
+        let (topic, kind) = match entry.payloads.as_slice() {
+            [Payload::Control(_)] => ("odometry", "pose"),
+            [Payload::Truth(_)] => ("truth", "pose"),
+            _ if !entry.has_scan() => ("other", "measurement"),
+            _ if entry.truth().is_some() => ("laser", "scan with a corrected pose"),
+            _ => ("laser", "scan"),
         };
         counter.take(topic, kind, entry.stamp);
     }

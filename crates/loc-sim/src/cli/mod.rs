@@ -1,19 +1,16 @@
 //! The command `loc-sim`: one module per subcommand.
 
+mod console;
 pub mod convert;
 pub mod eval;
 pub mod fit_beam;
 pub mod info;
-mod interrupt;
-pub mod list;
 pub mod map;
-mod progress;
 pub mod replay;
 pub mod run;
 pub mod sense;
 mod show;
 pub mod study;
-mod terminal;
 
 use clap::{Parser, Subcommand};
 use std::io::Write;
@@ -46,7 +43,7 @@ pub struct Global {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    List(list::ListArgs),
+    List(run::ListArgs),
     Run(run::RunArgs),
     Replay(Box<replay::ReplayArgs>),
     Info(info::InfoArgs),
@@ -66,11 +63,11 @@ impl Cli {
     pub fn execute(&self) -> anyhow::Result<()> {
         if !matches!(self.command, Some(Command::Study(_))) {
             // A study keeps what is done, and listens for itself.
-            interrupt::watch()?;
+            console::watch()?;
         }
         match &self.command {
             None => run::run(&run::RunArgs::default(), &self.global),
-            Some(Command::List(args)) => list::list(args, &self.global),
+            Some(Command::List(args)) => run::list(args, &self.global),
             Some(Command::Run(args)) => run::run(args, &self.global),
             Some(Command::Replay(args)) => replay::replay(args, &self.global),
             Some(Command::Info(args)) => info::info(args, &self.global),
@@ -99,7 +96,7 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
 /// # Errors
 /// Whatever else the operating system says.
 pub fn print(text: &str) -> anyhow::Result<()> {
-    let text = terminal::width().map_or(text.into(), |width| terminal::narrow(text, width));
+    let text = console::width().map_or(text.into(), |width| console::narrow(text, width));
     match writeln!(std::io::stdout().lock(), "{text}") {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => Ok(result?),

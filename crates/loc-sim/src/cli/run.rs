@@ -1,10 +1,10 @@
-//! `loc-sim run`: a scenario.
+//! `loc-sim run` runs a scenario, `loc-sim list` lists the built-in ones.
 
 use super::Global;
-use super::progress::Progress;
+use super::console::Progress;
 use super::show::{Finished, OutputArgs, show, show_illustration};
-use crate::record::Filming;
-use crate::runner::Both;
+use crate::record::PlaybackRecorder;
+use crate::runner::Observers;
 use crate::scenario::{Scenario, builtin};
 use std::path::Path;
 
@@ -65,14 +65,14 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     let mut progress = Progress::new(&scenario.name, global);
     let methods = (!methods.is_empty()).then_some(methods.as_slice());
     let mut tell = |share| progress.tell(share);
-    let mut filming = Filming::new(&mut tell);
+    let mut playback = PlaybackRecorder::new(&mut tell);
     let (mut recorder, target) = args.output.recorder()?;
-    let mut watcher = Both(&mut filming, &mut recorder);
-    let mut run = scenario.run_watched(Some(seed), methods, &mut watcher)?;
+    let mut observer = Observers(&mut playback, &mut recorder);
+    let mut run = scenario.run_observed(Some(seed), methods, &mut observer)?;
     if let Some((recorder, target)) = recorder.zip(target) {
         target.finish(recorder)?;
     }
-    run.film = Some(filming.film);
+    run.playback = Some(playback.playback);
     progress.finish();
     let finished = Finished {
         run: &run,
@@ -84,4 +84,49 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
         scenario: Some(&text),
     };
     show(&finished, &args.output, global)
+}
+
+/// List the built-in scenarios, or what each of the lectures' IDs is shown by.
+#[derive(Debug, Clone, clap::Args)]
+pub struct ListArgs {
+    /// A line for each ID: the scenario that shows it, and the figure to look at.
+    #[arg(long)]
+    pub ids: bool,
+}
+
+/// Prints name, title and IDs of every built-in scenario, or the IDs with their scenarios.
+///
+/// # Errors
+/// Those of standard output.
+pub fn list(args: &ListArgs, global: &Global) -> anyhow::Result<()> {
+    if args.ids {
+        return list_ids(global);
+    }
+    let mut scenarios = Vec::new();
+    for (name, _) in builtin::ALL {
+        scenarios.push(Scenario::named(name, &[])?);
+    }
+    if global.json {
+        let entries: Vec<_> = scenarios
+            .iter()
+            .map(|s| serde_json::json!({"name": s.name, "title": s.title, "ids": s.ids}))
+            .collect();
+        return super::print(&serde_json::to_string_pretty(&entries)?);
+    }
+    for scenario in scenarios {
+        super::print(&format!("{:<20} {}", scenario.name, scenario.title))?;
+    }
+    Ok(())
+}
+
+fn list_ids(global: &Global) -> anyhow::Result<()> {
+    if global.json {
+        return super::print(&serde_json::to_string_pretty(&builtin::IDS.as_slice())?);
+    }
+    let head = format!("{:<4} {:<36} {:<20} {}", "ID", "", "scenario", "figure");
+    let row = |shown: &builtin::Shown| {
+        format!("{:<4} {:<36} {:<20} {}", shown.id, shown.what, shown.scenario, shown.figure)
+    };
+    let rows = builtin::IDS.iter().map(row);
+    super::print(&std::iter::once(head).chain(rows).collect::<Vec<_>>().join("\n"))
 }

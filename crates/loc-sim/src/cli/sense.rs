@@ -1,7 +1,7 @@
 //! `loc-sim sense`: one sensor, simulated and drawn.
 
 use super::Global;
-use super::interrupt::uninterrupted;
+use super::console::uninterrupted;
 use crate::sense::{Request, SENSORS, recorded_scan, sense as simulate};
 use anyhow::{Context, bail};
 use loc_core::Pose2;

@@ -1,11 +1,12 @@
 //! What `run` and `replay` do with a finished run: write it, print it.
 
 use super::Global;
-use super::interrupt::{Unfinished, uninterrupted};
+use super::console::{Unfinished, uninterrupted};
 use crate::localizer::Method;
 use crate::metrics::{Alignment, Summary};
+use crate::output;
 use crate::output::mcap::McapRecorder;
-use crate::output::{self, Illustration, Made};
+use crate::output::{Illustration, Made};
 use crate::record::Run;
 use crate::scenario::Scenario;
 use anyhow::{Context, bail};

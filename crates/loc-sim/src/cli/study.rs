@@ -1,7 +1,7 @@
 //! `loc-sim study`: a scenario under many settings and seeds.
 
 use super::Global;
-use super::progress::Progress;
+use super::console::Progress;
 use super::show::OutputArgs;
 use crate::study::{Axis, Study, StudyOptions, StudySource, Success, table};
 use anyhow::Context;

@@ -1,10 +1,9 @@
 //! A recording as an MCAP file of ROS 2.
 
-use super::left_out::LeftOut;
-use super::{Converted, each};
+use super::{Converted, LeftOut, each};
 use crate::Result;
 use crate::output::mcap::McapRecorder;
-use crate::runner::Watcher;
+use crate::runner::Observer;
 use crate::source::Source;
 use loc_sensors::event::{Measurement, Payload};
 use std::path::Path;

@@ -24,20 +24,21 @@
 //! # Ok::<(), loc_sim::Error>(())
 //! ```
 
-mod carmen;
-mod left_out;
 mod mcap;
 mod transcribe;
-mod tum;
 
-pub use carmen::to_carmen;
 pub use mcap::to_mcap;
 pub use transcribe::transcribe;
-pub use tum::{Track, to_tum};
 
-use crate::Result;
+use crate::odometry::Driven;
 use crate::source::Source;
-use loc_sensors::event::Event;
+use crate::{Error, Result};
+use loc_core::{Pose2, Trajectory};
+use loc_sensors::event::{Event, Measurement, Payload};
+use loc_sensors::laser::LaserScan;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
 
 /// What a conversion did.
 #[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize)]
@@ -63,4 +64,189 @@ fn each(
         }
     }
     Ok(())
+}
+
+// A recording as a CARMEN log.
+
+/// Writes odometry (`ODOM`), scans (`ROBOTLASER1`) and true poses (`TRUEPOS`) of a recording.
+///
+/// Beams that saw nothing, and those that are no ranges at all, are written as the greatest range,
+/// which is how the format says it. `path` is only named in errors.
+///
+/// # Errors
+/// What the source reports, [`loc_core::Error::Io`], and [`Error::Recording`] for a recording with
+/// nothing that the format has a line for.
+pub fn to_carmen(
+    source: &mut dyn Source,
+    out: impl Write,
+    path: &Path,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Converted> {
+    let mut log =
+        Log { out, path, driven: Driven::default(), written: 0, left_out: LeftOut::default() };
+    log.line(format_args!("# CARMEN log file, from {}", source.setup().name))?;
+    log.written = 0;
+    each(source, progress, |event| log.take(event))?;
+    log.out.flush().map_err(loc_core::Error::io(path))?;
+    if log.written == 0 {
+        return Err(Error::Recording {
+            path: source.setup().name.clone().into(),
+            expected: "odometry, scans or true poses".into(),
+            found: "none".into(),
+        });
+    }
+    Ok(Converted { written: log.written, left_out: log.left_out.with_notes(source) })
+}
+
+struct Log<'a, W> {
+    out: W,
+    path: &'a Path,
+    driven: Driven,
+    written: u64,
+    left_out: LeftOut,
+}
+
+impl<W: Write> Log<'_, W> {
+    fn line(&mut self, text: std::fmt::Arguments<'_>) -> Result<()> {
+        self.written += 1;
+        Ok(writeln!(self.out, "{text}").map_err(loc_core::Error::io(self.path))?)
+    }
+
+    fn take(&mut self, event: &Event) -> Result<()> {
+        let stamp = event.stamp;
+        // The last two words are the host, and when the line was logged, counted from the start.
+        let end = format!("{stamp} loc-sim {stamp}");
+        match &event.payload {
+            Payload::Control(control) => match self.driven.pose(stamp, control) {
+                Some(pose) => self.line(format_args!("ODOM {} 0 0 0 {end}", words(pose))),
+                None => {
+                    self.left_out.count("accelerations");
+                    Ok(())
+                }
+            },
+            Payload::Measurement(Measurement::Scan { scan, mounting }) => {
+                let robot = self.driven.drive_to(stamp);
+                let (head, ranges) = self.scan(scan);
+                let (laser, robot) = (words(robot * *mounting), words(robot));
+                self.line(format_args!(
+                    "ROBOTLASER1 {head} {ranges} 0 {laser} {robot} 0 0 0 0 0 {end}"
+                ))
+            }
+            Payload::Measurement(_) => {
+                self.left_out.count("measurements that are no scans");
+                Ok(())
+            }
+            Payload::Truth(truth) => {
+                let robot = self.driven.drive_to(stamp);
+                self.line(format_args!("TRUEPOS {} {} {end}", words(truth.pose), words(robot)))
+            }
+        }
+    }
+
+    /// The geometry of a scan, and its ranges with their number in front.
+    fn scan(&mut self, scan: &LaserScan) -> (String, String) {
+        let (beams, step) = (scan.ranges.len(), scan.angle_increment);
+        let view = step * beams.saturating_sub(1) as f64;
+        let head = format!("0 {} {view} {step} {} 0 0", scan.angle_min, scan.range_max);
+        let mut ranges = beams.to_string();
+        for range in &scan.ranges {
+            if range.is_nan() {
+                self.left_out.count("beams without a range, written as the greatest one");
+            }
+            let range = if range.is_finite() { *range } else { scan.range_max };
+            ranges.push_str(&format!(" {range}"));
+        }
+        (head, ranges)
+    }
+}
+
+fn words(pose: Pose2) -> String {
+    format!("{} {} {}", pose.x, pose.y, pose.theta)
+}
+
+// One track of a recording.
+
+/// Which track of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Track {
+    /// The true poses, in the map.
+    Reference,
+    /// The robot's odometry, in its own frame.
+    Odometry,
+}
+
+/// A track of a recording, the reference where there is one and nothing else is asked for.
+///
+/// Velocities are driven along from (0, 0, 0). Of several poses of one time the first is taken.
+///
+/// # Errors
+/// [`Error::Recording`] for a recording without such a track, and what the source reports.
+pub fn to_tum(
+    source: &mut dyn Source,
+    track: Option<Track>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<(Trajectory, Converted)> {
+    let preferred = if source.has_truth() { Track::Reference } else { Track::Odometry };
+    let track = track.unwrap_or(preferred);
+    let (mut poses, mut left_out) = (Trajectory::new(), LeftOut::default());
+    let mut driven = Driven::default();
+    each(source, progress, |event| {
+        let pose = match (&event.payload, track) {
+            (Payload::Truth(truth), Track::Reference) => truth.pose,
+            (Payload::Control(control), Track::Odometry) => match driven.pose(event.stamp, control)
+            {
+                Some(pose) => pose,
+                None => return Ok(()),
+            },
+            _ => return Ok(()),
+        };
+        match poses.last() {
+            Some(last) if last.stamp >= event.stamp => {
+                left_out.count("poses that are not later than the one before");
+                Ok(())
+            }
+            _ => Ok(poses.push(event.stamp, pose)?),
+        }
+    })?;
+    if poses.is_empty() {
+        return Err(Error::Recording {
+            path: source.setup().name.clone().into(),
+            expected: match track {
+                Track::Reference => "true poses".into(),
+                Track::Odometry => "odometry".into(),
+            },
+            found: "none".into(),
+        });
+    }
+    let mut left_out = left_out.with_notes(source);
+    if track == Track::Reference && !source.truth_has_heading() {
+        left_out.push("the reference has no headings: they are written as 0".into());
+    }
+    let written = poses.len() as u64;
+    Ok((poses, Converted { written, left_out }))
+}
+
+// What a target has no place for.
+
+/// Counts by kind.
+#[derive(Debug, Default)]
+struct LeftOut(BTreeMap<String, u64>);
+
+impl LeftOut {
+    fn count(&mut self, what: impl Into<String>) {
+        *self.0.entry(what.into()).or_insert(0) += 1;
+    }
+
+    /// Lines for the user.
+    fn lines(self) -> Vec<String> {
+        self.0.into_iter().map(|(what, count)| format!("{count} {what}")).collect()
+    }
+
+    /// The same, with what the source has passed over by itself.
+    fn with_notes(self, source: &dyn Source) -> Vec<String> {
+        let mut lines = self.lines();
+        lines.extend(source.notes());
+        lines
+    }
 }

@@ -1,7 +1,6 @@
 //! A bag as an MCAP file of ROS 2, message by message.
 
-use super::Converted;
-use super::left_out::LeftOut;
+use super::{Converted, LeftOut};
 use crate::Result;
 use crate::source::ros::messages::{
     Imu, LaserScan, Message, MultiEchoLaserScan, NavSatFix, OccupancyGrid, Odometry, Path,

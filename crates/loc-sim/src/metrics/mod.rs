@@ -1,15 +1,16 @@
-//! How far an estimated path is from the true one.
+//! Errors of an estimated trajectory, and whether its covariance is consistent.
 //!
 //! An estimate and a reference are two lists of poses with stamps, seldom at the same times. Three
-//! steps lead from them to a handful of numbers:
+//! steps lead from them to a few numbers:
 //!
 //! 1. [`associate()`] pairs each pose of the shorter list with the nearest in time of the other;
-//! 2. [`align`] moves the estimate as one rigid body, where the two live in different frames;
-//! 3. [`ape`] compares the poses of a pair (is the robot where it believes to be?), [`rpe`] the
-//!    motions from one pair to the next (does it drift?), and [`Statistics`] sums the errors up.
+//! 2. [`aligned`] applies one rigid transform to the estimate, where the frames of the two differ;
+//! 3. the absolute pose error ([`ape_translation`], [`ape_rotation`]) compares the poses of a pair,
+//!    the relative pose error ([`rpe_translation`], [`rpe_rotation`]) the motions from one pair to
+//!    the next (drift); [`Statistics`] summarizes them.
 //!
-//! [`evaluate`] makes all three over TUM files in space, with the figures of `evo_ape` and
-//! `evo_rpe` (M. Grupp, <https://github.com/MichaelGrupp/evo>); [`planar_errors`] makes the third
+//! [`evaluate`] does all three over TUM files in space, with the figures of `evo_ape` and
+//! `evo_rpe` (M. Grupp, <https://github.com/MichaelGrupp/evo>); [`planar_errors`] does the third
 //! over planar poses that are paired already.
 //!
 //! ```
@@ -28,31 +29,20 @@
 //! # Ok::<(), loc_sim::Error>(())
 //! ```
 
-pub mod align;
-pub mod ape;
-pub mod associate;
-mod beam_fit;
 pub mod consistency;
-mod convergence;
 mod evaluation;
 mod landmarks;
-mod planar;
-mod rigid;
-pub mod rpe;
 mod spatial;
-mod statistics;
 mod summary;
 
-pub use align::{Alignment, aligned, transform};
-pub use associate::{Pair, associate};
-pub use beam_fit::BeamFit;
 pub(crate) use consistency::pose_nees_with_freedom;
 pub use consistency::{Consistency, ConsistencyFigures, RunEvidence, pose_nees};
-pub use convergence::{Found, ends_near, found};
-pub use evaluation::{EvalSettings, Evaluation, evaluate};
+pub use evaluation::{
+    EvalSettings, Evaluation, Statistics, Unit, ape_rotation, ape_translation, evaluate,
+    rpe_rotation, rpe_translation,
+};
 pub use landmarks::{LandmarkErrors, landmark_errors};
-pub use planar::{PlanarErrors, planar_errors};
-pub use rigid::RigidPose;
-pub use spatial::SpatialTrajectory;
-pub use statistics::{Statistics, Unit};
-pub use summary::{MethodSummary, Summary};
+pub use spatial::{Alignment, Pair, RigidPose, SpatialTrajectory, aligned, associate, transform};
+pub use summary::{
+    BeamFit, Found, MethodSummary, PlanarErrors, Summary, ends_near, found, planar_errors,
+};

@@ -1,11 +1,15 @@
 //! The figures of a run: what `summary.json` holds.
 
 use super::{
-    Alignment, Found, LandmarkErrors, Pair, PlanarErrors, found, landmark_errors, planar_errors,
+    Alignment, LandmarkErrors, Pair, Statistics, Unit, aligned, ape_rotation, ape_translation,
+    landmark_errors, rpe_rotation, rpe_translation,
 };
 use crate::Result;
 use crate::record::{MethodRecord, Run};
 use crate::source::OdometryTiming;
+use loc_core::{Pose2, angle};
+use loc_maps::{DistanceMap, OccupancyGrid};
+use loc_sensors::laser::LaserScan;
 use serde::{Serialize, Serializer};
 
 /// The figures of a run, by method.
@@ -15,57 +19,57 @@ pub struct Summary {
     pub source: String,
     /// Seed of a simulation.
     pub seed: Option<u64>,
-    /// How estimates were carried into the frame of the truth before they were compared.
+    /// How estimates were aligned with the frame of the truth before they were compared.
     pub align: &'static str,
     /// From the first to the last estimate.
     pub duration_s: f64,
-    /// Way that the robot really drove; null without a truth.
+    /// True distance travelled; null without a truth.
     pub distance_m: Option<f64>,
-    /// One entry per method, in the order in which they were asked for.
+    /// One entry per method, in the order of the request.
     #[serde(serialize_with = "as_map")]
     pub methods: Vec<(String, MethodSummary)>,
-    /// How the odometry was moved in time; null where nothing says so.
+    /// The time offset of the odometry; null where the source has none.
     pub odometry: Option<OdometryTiming>,
-    /// What the source passed over, and what the methods have to say.
+    /// Notes of the source (skipped data) and of the methods.
     pub notes: Vec<String>,
 }
 
 /// The figures of one method. A figure without a meaning is `None`, null in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MethodSummary {
-    /// How far the estimates are off; each figure null without a truth.
+    /// Errors of the estimates; each figure null without a truth.
     #[serde(flatten, serialize_with = "errors_or_nulls")]
     pub errors: Option<PlanarErrors>,
-    /// Mean normalised estimation error squared; 3 for an honest covariance of a pose, 2 where
-    /// only true positions are known.
+    /// Mean normalised estimation error squared; 3 for a consistent covariance of a pose, 2
+    /// where only true positions are known.
     pub nees_mean: Option<f64>,
     /// Mean normalised innovation squared of the accepted measurements.
     pub nis_mean: Option<f64>,
-    /// Measurements that changed the belief.
+    /// Accepted measurements.
     pub measurements_used: usize,
-    /// Measurements that did not.
+    /// Rejected measurements.
     pub measurements_rejected: usize,
-    /// How good the map is that the method has drawn; null for one that draws none.
+    /// Errors of the map that the method has built; null for one that builds none.
     pub landmarks: Option<LandmarkErrors>,
     /// The share of the beams of the last scan with a return that end within 12 cm of a wall at
     /// the pose estimated there, see [`BeamFit`](super::BeamFit); null without a laser or a map.
     pub beam_fit_at_end: Option<f64>,
-    /// How long a method that started without a pose needed to find it, see [`found`]; null for
-    /// one that was given it, or that never did.
+    /// Time to convergence of a method that started without a pose, see [`found`]; null for one
+    /// that was given the pose, or that never converged.
     pub converged_at_s: Option<f64>,
     /// Root mean square of the distances to the truth from then on; null with `converged_at_s`.
     pub ate_since_converged_m: Option<f64>,
-    /// The same in measurements that it used.
+    /// The same in accepted measurements.
     pub converged_after_updates: Option<usize>,
-    /// How long a method needed after a kidnapping; null without one, or if it never recovered.
+    /// Time to recover after a kidnapping; null without one, or if it never recovered.
     pub recovered_after_s: Option<f64>,
-    /// The same in measurements that it used.
+    /// The same in accepted measurements.
     pub recovered_after_updates: Option<usize>,
-    /// Time that the method took.
+    /// Computing time of the method.
     pub runtime_s: f64,
-    /// Controls and measurements that it took in.
+    /// Controls and measurements processed.
     pub updates: usize,
-    /// How many times faster than the robot it was.
+    /// Duration of the run over the computing time.
     pub realtime_factor: Option<f64>,
 }
 
@@ -132,7 +136,7 @@ impl MethodSummary {
     }
 }
 
-/// RMSE from the time at which a method has found the robot.
+/// Position RMSE from the time of convergence on.
 fn since(run: &Run, record: &MethodRecord, found: Found) -> Option<f64> {
     let from = run.setup.start + found.after;
     let late = record.estimates.iter().zip(&run.truth).filter(|(_, truth)| truth.stamp >= from);
@@ -161,4 +165,188 @@ fn as_map<S: Serializer>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     serializer.collect_map(methods.iter().map(|(name, summary)| (name, summary)))
+}
+
+/// Errors of one method over one run: planar poses that are paired already.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[non_exhaustive]
+pub struct PlanarErrors {
+    /// Root mean square of the distances to the truth \[m\].
+    pub ate_rmse_m: f64,
+    /// Median of the distances to the truth \[m\].
+    pub ate_median_m: f64,
+    /// Largest distance to the truth \[m\].
+    pub ate_max_m: f64,
+    /// Root mean square of the heading errors, each in (-180, 180] \[deg\]; `None` where no true
+    /// heading is known.
+    pub heading_rmse_deg: Option<f64>,
+    /// Distance to the truth at the end \[m\].
+    pub final_error_m: f64,
+    /// Root mean square of the errors of the motion from pose to pose \[m\]; `None` for one pose.
+    pub rpe_trans_rmse_m: Option<f64>,
+    /// Root mean square of the errors of the turn from pose to pose \[deg\]; `None` for one pose
+    /// or without true headings.
+    pub rpe_rot_rmse_deg: Option<f64>,
+}
+
+impl PlanarErrors {
+    /// The names of the figures.
+    pub const NAMES: [&str; 7] = [
+        "ate_rmse_m",
+        "ate_median_m",
+        "ate_max_m",
+        "heading_rmse_deg",
+        "final_error_m",
+        "rpe_trans_rmse_m",
+        "rpe_rot_rmse_deg",
+    ];
+
+    /// The figures of positions alone: relative errors are in the frame of the previous pose and
+    /// need its heading.
+    #[must_use]
+    pub fn without_headings(self) -> Self {
+        PlanarErrors {
+            heading_rmse_deg: None,
+            rpe_trans_rmse_m: None,
+            rpe_rot_rmse_deg: None,
+            ..self
+        }
+    }
+}
+
+/// The errors over poses that are paired one to one, in order of time.
+///
+/// The figures are those of [`evaluate`](super::evaluate) over the same poses.
+///
+/// # Errors
+/// [`loc_core::Error::Length`] without pairs, [`loc_core::Error::OutOfRange`] for poses that are
+/// not finite, [`crate::Error::UndeterminedAlignment`].
+pub fn planar_errors(pairs: &[Pair<Pose2>], align: Alignment) -> Result<PlanarErrors> {
+    let pairs = aligned(pairs, align)?;
+    let distances = ape_translation(&pairs);
+    let position = Statistics::of(Unit::Metre, &distances)?;
+    let heading = Statistics::of(Unit::Degree, &ape_rotation(&pairs))?;
+    let relative = |unit, errors: Vec<f64>| match errors.as_slice() {
+        [] => Ok(None),
+        errors => Statistics::of(unit, errors).map(|figures| Some(figures.rmse)),
+    };
+    Ok(PlanarErrors {
+        ate_rmse_m: position.rmse,
+        ate_median_m: position.median,
+        ate_max_m: position.max,
+        heading_rmse_deg: Some(heading.rmse),
+        final_error_m: distances[distances.len() - 1],
+        rpe_trans_rmse_m: relative(Unit::Metre, rpe_translation(&pairs))?,
+        rpe_rot_rmse_deg: relative(Unit::Degree, rpe_rotation(&pairs))?,
+    })
+}
+
+/// Position error below which an estimate counts as localized \[m\].
+const NEAR: f64 = 0.5;
+
+/// Heading error below which an estimate counts as localized \[deg\].
+const NEAR_TURN: f64 = 10.0;
+
+/// Number of following estimates that must be near as well; fewer at the end of the run.
+const STAYS: usize = 5;
+
+/// Convergence of a method: when its estimate reached the true pose and stayed there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Time until then \[s\].
+    pub after: f64,
+    /// Measurements accepted until then.
+    pub updates: usize,
+}
+
+/// The first estimate from `since` \[s\] on that lies within 0.5 m and 10 deg of the truth and
+/// whose next five do so too; `None` where there is none, or no truth.
+///
+/// Updates are the measurements that the method accepted from `since` up to that estimate.
+pub fn found(run: &Run, record: &MethodRecord, since: f64) -> Option<Found> {
+    let near: Vec<bool> = (0..run.truth.len())
+        .map(|k| run.truth[k].stamp >= since && is_near(run, record, k))
+        .collect();
+    let stays = |k: usize| near[k..].iter().take(STAYS + 1).all(|near| *near);
+    let at = run.truth.get((0..near.len()).find(|&k| stays(k))?)?.stamp;
+    let until = record.judgements.iter().filter(|j| j.stamp >= since && j.stamp <= at);
+    let updates = until.filter(|judgement| judgement.value.accepted).count();
+    Some(Found { after: at - since, updates })
+}
+
+fn is_near(run: &Run, record: &MethodRecord, k: usize) -> bool {
+    let (truth, Some(estimate)) = (run.truth[k].value.pose, record.estimates.get(k)) else {
+        return false;
+    };
+    let turn = angle::difference(estimate.pose.theta, truth.theta).abs();
+    estimate.pose.distance(truth) <= NEAR && turn <= NEAR_TURN.to_radians()
+}
+
+/// Whether a method is localized at the end of a run: its last six estimates lie within
+/// 0.5 m and 10 deg of the truth. `None` without a truth.
+pub fn ends_near(run: &Run, record: &MethodRecord) -> Option<bool> {
+    let count = run.truth.len();
+    let first = count.saturating_sub(STAYS + 1);
+    (count > 0).then(|| (first..count).all(|k| is_near(run, record, k)))
+}
+
+/// The share of a scan's beams that end on the walls of a map: a quality measure of a pose where no
+/// true pose is known.
+///
+/// ```
+/// use loc_core::Pose2;
+/// use loc_maps::grid::{Cell, GridFrame, OccupancyGrid};
+/// use loc_sensors::laser::LaserScan;
+/// use loc_sim::metrics::BeamFit;
+/// let mut map = OccupancyGrid::filled(GridFrame::new(60, 60, 0.1, Pose2::IDENTITY)?, 0);
+/// (0..60).try_for_each(|row| map.set(Cell::new(40, row), 100))?;
+/// let scan = LaserScan {
+///     angle_min: 0.0,
+///     angle_max: 0.1,
+///     angle_increment: 0.1,
+///     time_increment: 0.0,
+///     scan_time: 0.1,
+///     range_min: 0.1,
+///     range_max: 9.0,
+///     ranges: vec![2.05, 3.0],
+///     intensities: Vec::new(),
+/// };
+/// let walls = BeamFit::new(&map)?;
+/// // The first beam ends on the wall at x = 4.05 m, the second one behind it.
+/// assert_eq!(walls.share(Pose2::new(2.0, 3.0, 0.0), &scan, Pose2::IDENTITY), Some(0.5));
+/// # Ok::<(), loc_sim::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct BeamFit {
+    walls: DistanceMap,
+}
+
+impl BeamFit {
+    /// Largest distance between the end of a fitting beam and a wall \[m\].
+    pub const WITHIN: f64 = 0.12;
+
+    /// The walls are the occupied cells.
+    ///
+    /// # Errors
+    /// [`loc_maps::Error`].
+    pub fn new(map: &OccupancyGrid) -> Result<Self> {
+        // The reach of the distance map is in whole cells.
+        let reach = BeamFit::WITHIN + 2.0 * map.frame().resolution();
+        Ok(BeamFit { walls: DistanceMap::new(map, reach)? })
+    }
+
+    /// The share of the beams with a return whose end lies within [`BeamFit::WITHIN`] of a wall,
+    /// from the centre of its cell to that of the wall's, in \[0, 1\]; for a robot at `pose` with
+    /// its laser at `mounting` (`base_from_laser`). `None` for a scan without any return; the
+    /// greatest range is none, and a beam that ends off the map does not fit.
+    pub fn share(&self, pose: Pose2, scan: &LaserScan, mounting: Pose2) -> Option<f64> {
+        let laser = pose * mounting;
+        let (mut count, mut fitting) = (0_u32, 0_u32);
+        for beam in scan.beams().filter(|beam| beam.range < scan.range_max) {
+            let distance = self.walls.distance_at(&laser.transform(&beam.point()));
+            count += 1;
+            fitting += u32::from(distance.is_some_and(|distance| distance <= BeamFit::WITHIN));
+        }
+        (count > 0).then(|| f64::from(fitting) / f64::from(count))
+    }
 }

@@ -7,7 +7,7 @@
 use crate::Result;
 use crate::localizer::{Estimate, Localizer};
 use crate::odometry::Driven;
-use crate::runner::Watcher;
+use crate::runner::Observer;
 use crate::source::Setup;
 use crate::source::ros::McapWriter;
 use crate::source::ros::messages::{
@@ -142,7 +142,7 @@ impl McapRecorder {
     }
 }
 
-impl Watcher for McapRecorder {
+impl Observer for McapRecorder {
     fn progress(&mut self, _share: f64) {}
 
     fn started(&mut self, setup: &Setup, methods: &[String]) -> Result<()> {

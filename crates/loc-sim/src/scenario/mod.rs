@@ -12,32 +12,21 @@
 //! ```
 
 pub mod builtin;
-mod fastslam;
-mod filter;
-mod fusion;
-pub mod ids;
-mod landmark_mcl;
-mod lateration;
+mod methods;
 pub mod recording;
-mod sensor;
-mod shorthand;
-mod slam;
 
-pub use fastslam::FastSlamConfig;
-pub use filter::FilterConfig;
-pub use fusion::FusionConfig;
-pub use landmark_mcl::LandmarkMclConfig;
-pub use lateration::LaterationConfig;
+pub use methods::{
+    FastSlamConfig, FilterConfig, FusionConfig, LandmarkMclConfig, LaterationConfig, SensorConfig,
+    SlamConfig,
+};
 pub use recording::{RecordingConfig, StartConfig};
-pub use sensor::SensorConfig;
-pub use slam::SlamConfig;
 
 use crate::demonstration::DemonstrationConfig;
 use crate::localizer::{Method, MethodSettings};
 use crate::output::Illustration;
 use crate::probability_map::{ProbabilityMap, ProbabilityMapConfig};
 use crate::record::Run;
-use crate::runner::{Told, Watcher};
+use crate::runner::{Observer, ProgressObserver};
 use crate::source::drive::DriveConfig;
 use crate::source::outdoor::OutdoorConfig;
 use crate::source::rail::RailConfig;
@@ -137,7 +126,7 @@ impl Scenario {
         if changes.is_empty() {
             return Ok(Vec::new());
         }
-        Ok(shorthand::expand(&config::table(file, text, &[])?, changes))
+        Ok(recording::expand(&config::table(file, text, &[])?, changes))
     }
 
     fn check(&self) -> Result<()> {
@@ -275,18 +264,18 @@ impl Scenario {
         methods: Option<&[Method]>,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Run> {
-        self.run_watched(seed, methods, &mut Told(progress))
+        self.run_observed(seed, methods, &mut ProgressObserver(progress))
     }
 
     /// The same with somebody looking on.
     ///
     /// # Errors
     /// As [`run`](Scenario::run).
-    pub fn run_watched(
+    pub fn run_observed(
         &self,
         seed: Option<u64>,
         methods: Option<&[Method]>,
-        watcher: &mut dyn Watcher,
+        observer: &mut dyn Observer,
     ) -> Result<Run> {
         let seed = seed.unwrap_or(self.seed);
         let mut source = self.source(seed)?;
@@ -299,6 +288,6 @@ impl Scenario {
             });
         }
         let settings = MethodSettings { seed, ..self.settings()? };
-        runner::run_watched(source.as_mut(), &methods, &settings, watcher)
+        runner::run_observed(source.as_mut(), &methods, &settings, observer)
     }
 }

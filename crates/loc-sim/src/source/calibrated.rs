@@ -1,13 +1,12 @@
-//! A source seen through the calibration of its sensors.
+//! A source whose events are corrected by the calibration of its sensors.
 
-use super::reorder::Reorder;
-use super::{Setup, Source};
+use super::{ArrivalQueue, Setup, Source};
 use crate::Result;
 use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sensors::landmark_camera::CameraCalibration;
 use loc_sensors::wheel::OdometryCalibration;
 
-/// Takes the systematic errors of odometry and camera out of a source's events.
+/// Corrects the systematic errors of odometry and camera in a source's events.
 ///
 /// Every method then gets the same corrected events, and needs no calibration of its own. An
 /// event that is delayed to the time at which it took effect is known from that time on.
@@ -16,7 +15,7 @@ pub struct Calibrated<S> {
     source: S,
     odometry: OdometryCalibration,
     camera: CameraCalibration,
-    waiting: Reorder,
+    queue: ArrivalQueue,
     ended: bool,
 }
 
@@ -32,7 +31,7 @@ impl<S: Source> Calibrated<S> {
     ) -> Result<Self> {
         odometry.check()?;
         camera.check()?;
-        Ok(Calibrated { source, odometry, camera, waiting: Reorder::default(), ended: false })
+        Ok(Calibrated { source, odometry, camera, queue: ArrivalQueue::default(), ended: false })
     }
 
     fn correct(&self, mut event: Event) -> Event {
@@ -67,12 +66,12 @@ impl<S: Source> Source for Calibrated<S> {
             };
             let known_until = event.arrival;
             let event = self.correct(event);
-            self.waiting.push(event);
-            if let Some(first) = self.waiting.pop(known_until) {
+            self.queue.push(event);
+            if let Some(first) = self.queue.pop(known_until) {
                 return Ok(Some(first));
             }
         }
-        Ok(self.waiting.pop(f64::INFINITY))
+        Ok(self.queue.pop(f64::INFINITY))
     }
 
     fn notes(&self) -> Vec<String> {

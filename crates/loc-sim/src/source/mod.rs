@@ -8,13 +8,12 @@ pub mod drive;
 pub mod landmarks;
 pub mod laser_log;
 pub mod mrclam;
-mod noise;
 pub mod outdoor;
 pub mod people;
 pub mod rail;
 pub mod ranging;
-mod reorder;
 pub mod ros;
+pub mod text;
 pub mod tour;
 pub mod wean;
 
@@ -23,7 +22,6 @@ pub use drive::SimulatedDrive;
 pub use landmarks::LandmarkRecording;
 pub use laser_log::LaserRecording;
 pub use mrclam::Mrclam;
-pub use noise::{ObservationNoiseConfig, OdometryNoiseConfig};
 pub use outdoor::SimulatedOutdoor;
 pub use rail::SimulatedRail;
 pub use ranging::RangeRecording;
@@ -32,8 +30,13 @@ pub use tour::SimulatedTour;
 
 use crate::Result;
 use loc_core::Gaussian;
+use loc_core::motion::VelocityNoise;
 use loc_maps::{LandmarkMap, LineMap, OccupancyGrid};
 use loc_sensors::event::Event;
+use loc_sensors::landmark_camera::LandmarkNoise;
+use serde::Deserialize;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 use std::sync::Arc;
 
 /// What is known before the first event.
@@ -143,3 +146,103 @@ pub trait Source {
     }
 }
 // ANCHOR_END: source
+
+/// A queue that returns events in order of arrival; equal ones first in, first out.
+#[derive(Debug, Default)]
+pub(super) struct ArrivalQueue {
+    heap: BinaryHeap<Queued>,
+    count: u64,
+}
+
+#[derive(Debug)]
+struct Queued {
+    event: Event,
+    number: u64,
+}
+
+impl ArrivalQueue {
+    pub(super) fn push(&mut self, event: Event) {
+        self.heap.push(Queued { event, number: self.count });
+        self.count += 1;
+    }
+
+    /// The first event if it arrived before `until` \[s\]; the caller still adds events that arrive
+    /// from then on.
+    pub(super) fn pop(&mut self, until: f64) -> Option<Event> {
+        let first = self.heap.peek()?;
+        if first.event.arrival < until { self.heap.pop().map(|queued| queued.event) } else { None }
+    }
+}
+
+impl Ord for Queued {
+    /// Reversed, since the heap gives its greatest element first.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.event.order(&self.event).then(other.number.cmp(&self.number))
+    }
+}
+
+impl PartialOrd for Queued {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Queued {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Queued {}
+
+/// The error model of odometry (E7), as standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OdometryNoiseConfig {
+    /// Of the distance, after 1 m.
+    pub distance_sigma_m: f64,
+    /// Of the heading, after a full turn.
+    pub turn_sigma_deg: f64,
+    /// Of the heading, after 1 m.
+    pub drift_sigma_deg: f64,
+}
+
+/// Noise of a landmark camera, as standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObservationNoiseConfig {
+    /// Of the distance, at the camera.
+    pub range_sigma_m: f64,
+    /// Its growth with the distance.
+    #[serde(default)]
+    pub range_sigma_per_m: f64,
+    /// Of the direction.
+    pub bearing_sigma_deg: f64,
+}
+
+impl OdometryNoiseConfig {
+    /// The library's form.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`].
+    pub fn noise(&self) -> Result<VelocityNoise> {
+        let [turn, drift] = [self.turn_sigma_deg, self.drift_sigma_deg].map(f64::to_radians);
+        Ok(VelocityNoise::from_sigmas(self.distance_sigma_m, turn, drift)?)
+    }
+}
+
+impl ObservationNoiseConfig {
+    /// The library's form.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`].
+    pub fn noise(&self) -> Result<LandmarkNoise> {
+        let noise = LandmarkNoise {
+            range_sigma: self.range_sigma_m,
+            range_sigma_per_m: self.range_sigma_per_m,
+            bearing_sigma: self.bearing_sigma_deg.to_radians(),
+        };
+        noise.check()?;
+        Ok(noise)
+    }
+}

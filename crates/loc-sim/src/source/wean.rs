@@ -6,18 +6,18 @@
 //! about 25 cm ahead of the robot's centre. A log may be gzipped.
 //!
 //! ```
-//! use loc_sim::source::laser_log::What;
 //! use loc_sim::source::wean::WeanLog;
 //! let ranges = vec!["150"; 179].join(" ");
 //! let text = format!("O 100 0 0 0.1\nL 100 0 0 125 0 0 {ranges} 8183 0.2\n");
 //! let log = WeanLog::parse("demo.log", std::io::Cursor::new(text)).laser_log()?;
-//! let What::Scan(scan) = &log.entries[1].what else { panic!("a scan") };
-//! assert_eq!((scan.odometry.x, scan.mounting.x), (1.0, 0.25));
-//! assert_eq!((scan.scan.ranges[0], scan.scan.ranges[179]), (1.5, f64::INFINITY));
+//! let Some((scan, mounting)) = log.entries[1].scan() else { panic!("a scan") };
+//! assert_eq!((log.entries[1].odometry().map(|pose| pose.x), mounting.x), (Some(1.0), 0.25));
+//! assert_eq!((scan.ranges[0], scan.ranges[179]), (1.5, f64::INFINITY));
 //! # Ok::<(), loc_sim::Error>(())
 //! ```
 
-use super::laser_log::{self, Entry, LaserLog, LogLines, RecordedScan, What, Words};
+use super::laser_log::{Entry, LaserLog, RecordedScan};
+use super::text::{self, LogLines, Words};
 use crate::Result;
 use loc_core::Pose2;
 use loc_sensors::laser::LaserScan;
@@ -47,7 +47,7 @@ impl WeanLog {
     /// # Errors
     /// [`loc_core::Error::Io`] where the file cannot be opened.
     pub fn open(file: &Path) -> Result<Self> {
-        Ok(WeanLog { lines: LogLines::new(file, laser_log::open(file)?) })
+        Ok(WeanLog { lines: LogLines::new(file, text::open(file)?) })
     }
 
     /// A log from anything that can be read; `file` is only named in errors.
@@ -67,7 +67,7 @@ impl WeanLog {
             entries.push(match kind {
                 "O" => {
                     let odometry = pose(&mut words, "pose")?;
-                    Entry { stamp: words.number("ts")?, what: What::Odometry(odometry) }
+                    Entry::of_odometry(words.number("ts")?, odometry)
                 }
                 "L" => scan(&mut words)?,
                 comment if comment.starts_with('#') => continue,
@@ -110,5 +110,5 @@ fn scan(words: &mut Words<'_>) -> Result<Entry> {
     let stamp = words.number("ts")?;
     let mounting = odometry.between(laser);
     let scan = RecordedScan { scan: Arc::new(scan), mounting, odometry, truth: None };
-    Ok(Entry { stamp, what: What::Scan(scan) })
+    Ok(Entry::of_scan(stamp, scan))
 }

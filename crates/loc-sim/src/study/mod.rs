@@ -21,30 +21,19 @@
 //! # Ok::<(), loc_sim::Error>(())
 //! ```
 
-mod axis;
-mod columns;
-mod csv;
 mod figures;
-mod files;
 mod grid;
-mod group;
 pub mod journal;
 mod outcome;
 pub mod parquet;
 mod results;
 mod runner;
-mod source;
-mod success;
 mod table;
 
-pub use axis::{Axis, AxisValue};
-pub use grid::{Grid, Job, MAX_RUNS};
-pub use group::{Group, Spread};
-pub use outcome::{CONFIDENCE, MethodOutcome, RunOutcome, TIMES};
+pub use grid::{Axis, AxisValue, Grid, Job, MAX_RUNS};
+pub use outcome::{CONFIDENCE, Group, MethodOutcome, RunOutcome, Spread, Success, TIMES};
 pub use results::Results;
-pub use runner::StudyProgress;
-pub use source::StudySource;
-pub use success::Success;
+pub use runner::{StudyProgress, StudySource};
 pub use table::table;
 
 use crate::localizer::Method;
@@ -253,7 +242,7 @@ impl Study {
     pub fn write(&self, folder: &Path, command: &str) -> Result<Results> {
         let journal = self.journal(folder)?;
         let results = Results::of(self, &journal)?;
-        files::write(self, &journal, &results, folder, command)?;
+        results::write(self, &journal, &results, folder, command)?;
         Ok(results)
     }
 }

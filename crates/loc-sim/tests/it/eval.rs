@@ -1,6 +1,6 @@
 //! The command `loc-sim eval`.
 
-use crate::recordings;
+use crate::evo;
 use serde_json::Value;
 use std::process::{Command, Output};
 use tempfile::TempDir;
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 /// A folder with `estimate.tum`, `reference.tum` and `empty.tum`.
 fn folder() -> TempDir {
     let folder = TempDir::new().unwrap();
-    let recording = recordings::planar();
+    let recording = evo::planar();
     std::fs::write(folder.path().join("estimate.tum"), recording.estimate).unwrap();
     std::fs::write(folder.path().join("reference.tum"), recording.reference).unwrap();
     std::fs::write(folder.path().join("empty.tum"), "# nothing\n").unwrap();

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use loc_sim::metrics::{Alignment, Summary};
 use loc_sim::output::{Made, Report};
-use loc_sim::record::{Filming, Run};
+use loc_sim::record::{PlaybackRecorder, Run};
 use loc_sim::scenario::Scenario;
 use serde_json::Value;
 use std::io::Read;
@@ -13,9 +13,9 @@ fn filmed(name: &str, changes: &[&str]) -> Run {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
     let scenario = Scenario::named(name, &changes).unwrap();
     let mut told = |_share| {};
-    let mut filming = Filming::new(&mut told);
-    let mut run = scenario.run_watched(None, None, &mut filming).unwrap();
-    run.film = Some(filming.film);
+    let mut playback = PlaybackRecorder::new(&mut told);
+    let mut run = scenario.run_observed(None, None, &mut playback).unwrap();
+    run.playback = Some(playback.playback);
     run
 }
 
@@ -69,7 +69,7 @@ fn the_player_has_the_poses_and_the_particles_of_the_run() {
         assert!((f64::from(*x) - estimate.pose.x).abs() < 1e-5);
     }
     // Particles lie where the film has them, to a step of the screen.
-    let film = run.film.as_ref().unwrap();
+    let film = run.playback.as_ref().unwrap();
     let kept: Vec<[f32; 3]> =
         film.frames.iter().flat_map(|frame| frame.methods[k].particles.clone()).collect();
     let xy = numbers(&method["particles"]["xy"], u16::from_le_bytes);

@@ -1,11 +1,14 @@
-//! The lectures' numbers through whole scenarios.
+//! Whole scenarios against the lectures' numbers; every ID of the lectures has a scenario and a
+//! figure.
 
 use approx::assert_relative_eq;
 use loc_core::kinematics::Kurt2Pose;
 use loc_sim::localizer::{Estimate, Method};
+use loc_sim::output::figures::NAMES;
 use loc_sim::record::Run;
 use loc_sim::scenario::{Scenario, builtin};
 use nalgebra::Matrix3;
+use std::collections::BTreeSet;
 
 fn run(name: &str, changes: &[&str]) -> Run {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
@@ -35,7 +38,7 @@ fn kurt2_example_ends_at_the_corrected_numbers() {
     assert_relative_eq!(100.0 * pose.z, 151.91, epsilon = 5e-3);
 }
 
-/// E8: with perfect readings the estimate is the one of the nominal controls.
+/// E8: with perfect measurements the estimate is the one of the nominal controls.
 #[test]
 fn circle_drive_has_the_printed_mean_and_covariance() {
     let noise = "filter.odometry={distance_sigma_m=0.02,turn_sigma_deg=5,drift_sigma_deg=2}";
@@ -111,7 +114,7 @@ fn one_seed_gives_one_result_and_methods_do_not_disturb_each_other() {
     assert_ne!(both.methods[1].estimates, run(6, &[Method::Ekf]).methods[0].estimates);
 }
 
-/// A camera with a latency delivers late; the filter ends as if it had not.
+/// A camera with a latency delivers late; the filter ends as without latency.
 #[test]
 fn latency_delays_but_does_not_lose() {
     let late = run("landmark-drive", &["drive.camera.latency_s=0.35"]);
@@ -205,4 +208,70 @@ fn bad_configurations_name_file_line_and_key() {
         let error = Scenario::named("circle-drive", &[change.into()]).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");
     }
+}
+
+/// Numbers of the last ID of each letter; L has none.
+const LAST: [(char, usize); 11] = [
+    ('A', 3),
+    ('B', 11),
+    ('C', 6),
+    ('D', 4),
+    ('E', 8),
+    ('F', 5),
+    ('G', 5),
+    ('H', 4),
+    ('I', 4),
+    ('K', 3),
+    ('M', 12),
+];
+
+#[test]
+fn no_id_is_missing() {
+    let mut expected: Vec<String> = LAST
+        .iter()
+        .flat_map(|(letter, last)| (1..=*last).map(move |k| format!("{letter}{k}")))
+        .collect();
+    expected.push("L".into());
+    let expected: BTreeSet<String> = expected.into_iter().collect();
+    let found: BTreeSet<String> = builtin::IDS.iter().map(|shown| shown.id.to_owned()).collect();
+    assert_eq!(found, expected);
+    assert_eq!(builtin::IDS.len(), expected.len());
+}
+
+/// The scenario lists the ID and writes the figure.
+#[test]
+fn scenarios_show_what_is_said_of_them() {
+    for shown in builtin::IDS {
+        let scenario = Scenario::named(shown.scenario, &[]).unwrap();
+        assert!(scenario.ids.iter().any(|id| id == shown.id), "{shown:?}: {:?}", scenario.ids);
+        match scenario.illustrate(scenario.seed).unwrap() {
+            Some(illustration) => {
+                let mut files = illustration.figures.iter().map(|figure| &figure.file);
+                assert!(files.any(|file| file == shown.figure), "{shown:?}");
+                assert!(!illustration.lines.is_empty(), "{shown:?}");
+            }
+            None => assert!(NAMES.contains(&shown.figure), "{shown:?}"),
+        }
+    }
+}
+
+/// Every ID that a scenario lists is in the table.
+#[test]
+fn scenarios_claim_known_ids() {
+    for (name, _) in builtin::ALL {
+        for id in Scenario::named(name, &[]).unwrap().ids {
+            assert!(builtin::IDS.iter().any(|shown| shown.id == id), "{name}: {id}");
+        }
+    }
+}
+
+#[test]
+fn the_table_of_the_guide_is_this_one() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/ids.md");
+    let text = std::fs::read_to_string(file).unwrap();
+    let rows: Vec<&str> = text.lines().filter(|line| line.starts_with("| ")).skip(1).collect();
+    let expected = builtin::IDS.map(|builtin::Shown { id, what, scenario, figure }| {
+        format!("| {id} | {what} | `{scenario}` | `{figure}` |")
+    });
+    assert_eq!(rows, expected);
 }

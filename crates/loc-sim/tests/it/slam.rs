@@ -1,12 +1,17 @@
 use loc_core::{Gaussian, Pose2};
-use loc_filters::slam::MapLandmark;
+use loc_filters::slam::{Identities, MapLandmark};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::event::Payload;
-use loc_sim::localizer::{EstimatedMap, Method};
-use loc_sim::metrics::{Alignment, Consistency, LandmarkErrors, Summary, landmark_errors};
-use loc_sim::output;
-use loc_sim::scenario::Scenario;
+use loc_sim::localizer::{EstimatedMap, Method, MethodSettings};
+use loc_sim::metrics::{
+    Alignment, Consistency, LandmarkErrors, MethodSummary, Summary, landmark_errors,
+};
+use loc_sim::scenario::{RecordingConfig, Scenario, recording};
+use loc_sim::source::landmarks::Trees;
+use loc_sim::source::{Calibrated, LandmarkRecording, Mrclam, Source};
+use loc_sim::{output, runner};
 use nalgebra::{Matrix2, Point2};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 fn scenario(name: &str, changes: &[&str]) -> Scenario {
@@ -14,7 +19,7 @@ fn scenario(name: &str, changes: &[&str]) -> Scenario {
     Scenario::named(name, &changes).unwrap()
 }
 
-/// The figures of the map that a method draws in a scenario, with the ATE \[m\].
+/// The figures of the map that a method builds in a scenario, with the ATE \[m\].
 fn drive(name: &str, seed: u64, method: Method) -> (LandmarkErrors, f64) {
     let run = scenario(name, &[]).run(Some(seed), Some(&[method]), &mut |_| {}).unwrap();
     let summary = Summary::of(&run, Some(seed), Alignment::None).unwrap();
@@ -58,7 +63,7 @@ fn particles_draw_the_map_too() {
     }
 }
 
-/// Each particle decides for itself which landmark it sees; those that were wrong die out. With
+/// Each particle associates landmarks by itself; wrong associations die out in resampling. With
 /// 200 of them the loop is closed on 12 of 20 drives.
 #[test]
 fn particles_close_a_loop_without_numbers() {
@@ -70,7 +75,7 @@ fn particles_close_a_loop_without_numbers() {
     assert!(right >= 2, "{right} of 4");
 }
 
-/// The method sees landmarks, but is told of none: without a map in its hands it does the same.
+/// The method observes landmarks without their map: it gives the same result without one.
 #[test]
 fn slam_is_not_told_the_landmarks() {
     let scenario = scenario("slam-landmarks", &[]);
@@ -104,7 +109,7 @@ fn linear_slam_refuses_a_robot_that_turns() {
     assert!(message.contains("kf-slam") && message.contains("never turns"), "{message}");
 }
 
-/// A robot that sees things at an angle and slides along its own axes.
+/// A robot with a rotated camera and sideways motion.
 #[test]
 fn linear_slam_works_in_any_direction() {
     let run = |heading: f64| {
@@ -166,7 +171,7 @@ fn the_map_is_drawn_and_summed_up() {
     assert_eq!(json["methods"]["ekf-slam"]["landmarks"]["found"], 10);
 }
 
-/// Mean NEES of some loops, which is 3 for an honest filter.
+/// Mean NEES of some loops, which is 3 for a consistent filter.
 fn mean_nees(jacobians: &str, seeds: u64) -> f64 {
     let change = format!("filter.slam.jacobians={jacobians}");
     let scenario = scenario("slam-loop", &[&change]);
@@ -178,7 +183,7 @@ fn mean_nees(jacobians: &str, seeds: u64) -> f64 {
     consistency.figures().nees_mean.unwrap()
 }
 
-/// The textbook filter is too sure of itself; the two others take at least half of that away.
+/// The textbook filter is overconfident; the two others remove at least half of the excess.
 #[test]
 #[ignore = "150 drives of 160 s, about a minute without optimisation"]
 fn the_excess_of_the_nees_is_halved() {
@@ -188,4 +193,150 @@ fn the_excess_of_the_nees_is_halved() {
     for other in [first, invariant] {
         assert!(plain > 3.5 && other - 3.0 <= 0.5 * (plain - 3.0), "{plain} {first} {invariant}");
     }
+}
+
+fn settings(text: &str, changes: &[&str]) -> MethodSettings {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
+    RecordingConfig::parse("settings", text, &changes).unwrap().settings().unwrap()
+}
+
+/// The figures of one method on a recording, aligned by the path where there is a true one.
+fn figures(
+    mut source: LandmarkRecording,
+    mut settings: MethodSettings,
+    method: Method,
+) -> MethodSummary {
+    settings.landmark.mounting = source.mounting();
+    settings.seed = 1;
+    let align = if source.has_truth() { Alignment::Se2 } else { Alignment::None };
+    let run = runner::run(&mut source, &[method], &settings, &mut |_| {}).unwrap();
+    Summary::of(&run, None, align).unwrap().methods.remove(0).1
+}
+
+fn folder(name: &str) -> Option<PathBuf> {
+    let Some(data) = std::env::var_os("LOC_DATA_DIR") else {
+        println!("skipped: LOC_DATA_DIR is not set");
+        return None;
+    };
+    Some(Path::new(&data).join(name))
+}
+
+#[test]
+fn the_landmark_course_is_mapped() {
+    let Some(folder) = folder("landmark_course") else { return };
+    for method in [Method::EkfSlam, Method::FastSlam] {
+        let source = LandmarkRecording::course(&folder, [0.0; 3]).unwrap();
+        let map = figures(source, settings(recording::LANDMARK_COURSE, &[]), method).landmarks;
+        let LandmarkErrors { found, extra, rmse_m, .. } = map.unwrap();
+        assert_eq!((found, extra), (Some(9), Some(0)));
+        assert!(rmse_m.unwrap() <= 0.10, "{method}: {rmse_m:?}");
+    }
+}
+
+#[test]
+fn the_demonstration_of_mrpt_is_mapped() {
+    let Some(folder) = folder("mrpt") else { return };
+    for method in [Method::EkfSlam, Method::FastSlam] {
+        let source = LandmarkRecording::kf_slam_demo(&folder, [0.0; 3]).unwrap();
+        let figures = figures(source, settings(recording::KF_SLAM_DEMO, &[]), method);
+        let map = figures.landmarks.unwrap();
+        assert_eq!((map.found, map.extra), (Some(70), Some(0)));
+        assert!(map.rmse_m.unwrap() < 0.01 && figures.errors.unwrap().ate_rmse_m < 0.02);
+    }
+}
+
+#[test]
+fn victoria_park_with_numbers_has_all_trees() {
+    let Some(folder) = folder("victoria_park") else { return };
+    let source = LandmarkRecording::victoria_park(folder, Trees::Numbered, [0.0; 3]).unwrap();
+    let figures = figures(source, settings(recording::VICTORIA_PARK, &[]), Method::EkfSlam);
+    assert_eq!(figures.landmarks.unwrap().mapped, 151);
+    let errors = figures.errors.unwrap();
+    assert!(errors.ate_median_m <= 5.0, "{errors:?}");
+}
+
+#[test]
+#[ignore = "26 minutes of a laser, about a minute without optimisation"]
+fn victoria_park_without_numbers_does_not_diverge() {
+    let Some(folder) = folder("victoria_park") else { return };
+    let settings = settings(recording::VICTORIA_PARK_DETECTIONS, &[]);
+    assert_eq!(settings.slam.identities, Identities::Unknown);
+    let source = LandmarkRecording::victoria_park(folder, Trees::Detected, [0.0; 3]).unwrap();
+    let errors = figures(source, settings, Method::EkfSlam).errors.unwrap();
+    assert!(errors.ate_median_m <= 5.0 && errors.final_error_m < 15.0, "{errors:?}");
+}
+
+/// The map that a robot of MRCLAM builds on its own.
+fn mrclam_map(folder: &Path, robot: u32, changes: &[&str]) -> LandmarkErrors {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
+    let config = RecordingConfig::parse("mrclam", recording::MRCLAM, &changes).unwrap();
+    let calibration = (config.odometry_calibration(), config.camera_calibration());
+    let source = Mrclam::open(folder, robot).unwrap();
+    let mut source = Calibrated::new(source, calibration.0, calibration.1).unwrap();
+    let settings = config.settings().unwrap();
+    let run = runner::run(&mut source, &[Method::EkfSlam], &settings, &mut |_| {}).unwrap();
+    landmark_errors(&run, &run.methods[0]).unwrap().unwrap()
+}
+
+#[test]
+fn mrclam_is_mapped_by_every_robot() {
+    let Some(folder) = folder("mrclam/MRCLAM_Dataset6") else { return };
+    for robot in 1..=5 {
+        let map = mrclam_map(&folder, robot, &[]);
+        assert_eq!((map.found, map.extra), (Some(15), Some(0)), "robot {robot}");
+        assert!(map.rmse_m.unwrap() <= 0.15, "robot {robot}: {map:?}");
+    }
+}
+
+/// The barcodes hang in twos and threes, 18 cm from each other.
+#[test]
+fn mrclam_is_mapped_without_numbers() {
+    let Some(folder) = folder("mrclam/MRCLAM_Dataset6") else { return };
+    let maps = (1..=5).map(|robot| mrclam_map(&folder, robot, &["filter.slam.identities=unknown"]));
+    let maps: Vec<LandmarkErrors> = maps.collect();
+    let right = |map: &&LandmarkErrors| {
+        (map.found, map.extra) == (Some(15), Some(0)) && map.rmse_m.unwrap() <= 0.15
+    };
+    assert!(maps.iter().filter(right).count() >= 3, "{maps:?}");
+}
+
+fn write(folder: &Path, name: &str, text: &str) {
+    std::fs::write(folder.join(name), text).unwrap();
+}
+
+#[test]
+fn broken_recordings_name_file_line_and_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let message = |result: loc_sim::Result<LandmarkRecording>| result.unwrap_err().to_string();
+    let course = |text: &str| {
+        write(path, "sensor_data.dat", text);
+        message(LandmarkRecording::course(path, [0.0; 3]))
+    };
+    let text = course("ODOMETRY 0.1 0.1 0\nSENSOR 1 far 0.3\n");
+    assert!(text.contains("sensor_data.dat:2: trans or range"), "{text}");
+    let text = course("ODOMETRY 0.1 0.1 0\nSONAR 1 2 0.3\n");
+    assert!(text.contains(":2: kind: expected ODOMETRY or SENSOR, got `SONAR`"), "{text}");
+    let text = course("ODOMETRY 0.1 0.1 0\nSENSOR -1 2 0.3\n");
+    assert!(text.contains(":2: rot1 or id: expected a whole number"), "{text}");
+    assert!(course("").contains("motions (ODOMETRY)"));
+
+    let text = message(LandmarkRecording::kf_slam_demo(path, [0.0; 3]));
+    assert!(text.contains("expected a file *_bearing_range.csv"), "{text}");
+    write(path, "a_bearing_range.csv", "1,0.0,7,-3.0,1.1,0.0,0.01,0.002\n");
+    write(path, "a_odometry.csv", "1,0.0,inc,0.1,0.0,0.0\n1,0.0,inc,0.1,0.0,0.0\n");
+    let text = message(LandmarkRecording::kf_slam_demo(path, [0.0; 3]));
+    assert!(text.contains("a_odometry.csv:2: step"), "{text}");
+    write(path, "a_odometry.csv", "1,0.0,inc,0.1,0.0,0.0\n");
+    let text = message(LandmarkRecording::kf_slam_demo(path, [0.0; 3]));
+    assert!(text.contains("a_bearing_range.csv:1: range: expected a distance"), "{text}");
+
+    write(path, "gtsam_odometry.csv", "0,1,1.0,0.1,0.0,0.0\n");
+    write(path, "gtsam_landmark_obs.csv", "5,2,1.0,0.0,1.0,0.0\n");
+    let text = message(LandmarkRecording::victoria_park(path, Trees::Numbered, [0.0; 3]));
+    assert!(text.contains("gtsam_landmark_obs.csv:1: pose: expected a pose that"), "{text}");
+    write(path, "gtsam_landmark_obs.csv", "1,2,1.0,0.0,1.0,0.0\n");
+    write(path, "gps.csv", "9.0,1.0,2.0\n");
+    let text = message(LandmarkRecording::victoria_park(path, Trees::Numbered, [0.0; 3]));
+    assert!(text.contains("positions of the GPS along the first way"), "{text}");
 }

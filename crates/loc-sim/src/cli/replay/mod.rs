@@ -1,29 +1,25 @@
 //! `loc-sim replay`: a recording.
 
-mod format;
-mod landmarks;
-mod laser;
-mod mrclam;
-mod ranging;
-mod ros;
+mod source;
 
-pub(super) use format::guess;
-pub(super) use landmarks::open as open_landmarks;
-
-pub use format::Format;
-pub use ros::RosArgs;
+pub use source::RosArgs;
+pub(super) use source::open_landmarks;
 
 use super::Global;
-use super::progress::Progress;
+use super::console::Progress;
 use super::show::{Finished, OutputArgs, show};
 use crate::localizer::{Method, MethodSettings};
-use crate::record::Filming;
-use crate::runner::{self, Both};
+use crate::record::PlaybackRecorder;
+use crate::runner::Observers;
 use crate::scenario::recording;
-use crate::source::Source;
+use crate::source::landmarks::{kf_slam_demo, victoria_park};
 use crate::source::laser_log::Scans;
+use crate::source::ranging::{labyrinth, plaza};
+use crate::source::{Source, landmarks, mrclam, ros, text};
+use crate::{Error, Result, runner};
 use anyhow::bail;
-use std::path::PathBuf;
+use std::io::{BufRead, Read};
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Localize the robot of a recording.
@@ -104,15 +100,15 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let log = args.log.as_deref().filter(|_| !args.print_config);
     let Some(log) = log else { return print_config(args) };
     let begin = Instant::now();
-    let format = args.format.map_or_else(|| format::guess(log), Ok)?;
+    let format = args.format.map_or_else(|| guess(log), Ok)?;
     args.ros.refuse_unless(format)?;
     let mut replay = match format {
-        Format::Mrclam => mrclam::prepare(args, log)?,
-        Format::UwbLabyrinth | Format::Plaza => ranging::prepare(args, log, format)?,
+        Format::Mrclam => source::mrclam(args, log)?,
+        Format::UwbLabyrinth | Format::Plaza => source::ranging(args, log, format)?,
         Format::LandmarkCourse | Format::KfSlamDemo | Format::VictoriaPark => {
-            landmarks::prepare(args, log, format)?
+            source::landmarks(args, log, format)?
         }
-        Format::Carmen | Format::Wean | Format::Ros => laser::prepare(args, log, format)?,
+        Format::Carmen | Format::Wean | Format::Ros => source::laser(args, log, format)?,
     };
     replay.settings.seed = args.seed.unwrap_or(replay.settings.seed);
     replay.settings.global |= args.global_start;
@@ -130,14 +126,14 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let mut progress = Progress::new("replay", global);
     let source = replay.source.as_mut();
     let mut tell = |share| progress.tell(share);
-    let mut filming = Filming::new(&mut tell);
+    let mut playback = PlaybackRecorder::new(&mut tell);
     let (mut recorder, target) = args.output.recorder()?;
-    let mut watcher = Both(&mut filming, &mut recorder);
-    let mut run = runner::run_watched(source, methods, &replay.settings, &mut watcher)?;
+    let mut observer = Observers(&mut playback, &mut recorder);
+    let mut run = runner::run_observed(source, methods, &replay.settings, &mut observer)?;
     if let Some((recorder, target)) = recorder.zip(target) {
         target.finish(recorder)?;
     }
-    run.film = Some(filming.film);
+    run.playback = Some(playback.playback);
     progress.finish();
     let took = begin.elapsed().as_secs_f64();
     let name = run.setup.name.replace(' ', "-");
@@ -164,13 +160,13 @@ fn speed(duration: f64, took: f64) -> String {
 }
 
 fn print_config(args: &ReplayArgs) -> anyhow::Result<()> {
-    let guessed = args.log.as_deref().map(format::guess).transpose()?;
+    let guessed = args.log.as_deref().map(guess).transpose()?;
     let format = args.format.or(guessed).unwrap_or(Format::Mrclam);
     let text = match format {
         Format::Mrclam => recording::MRCLAM,
         Format::UwbLabyrinth | Format::Plaza => recording::RANGING,
         Format::LandmarkCourse | Format::KfSlamDemo | Format::VictoriaPark => {
-            landmarks::defaults(format)
+            source::landmark_defaults(format)
         }
         Format::Carmen | Format::Wean | Format::Ros => recording::LASER,
     };
@@ -182,5 +178,95 @@ fn refuse(options: &[(&str, bool)], format: &str) -> anyhow::Result<()> {
     match options.iter().find(|(_, given)| *given) {
         Some((option, _)) => bail!("{option}: expected a recording with a laser, got {format}"),
         None => Ok(()),
+    }
+}
+
+/// A format of recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[non_exhaustive]
+pub enum Format {
+    /// A folder of the UTIAS MRCLAM data set.
+    Mrclam,
+    /// A folder of ultra-wideband ranges in the format of libRSF.
+    UwbLabyrinth,
+    /// A folder of the Plaza recordings: radio ranges and odometry.
+    Plaza,
+    /// A folder of the Freiburg landmark course.
+    LandmarkCourse,
+    /// MRPT's demonstration of SLAM as text: its folder, or its file of observations.
+    KfSlamDemo,
+    /// A folder of Victoria Park.
+    VictoriaPark,
+    /// A CARMEN log.
+    Carmen,
+    /// A log of CMU's Wean Hall.
+    Wean,
+    /// A bag of ROS 1 or ROS 2, or an MCAP file.
+    Ros,
+}
+
+/// First words of lines that only a CARMEN log has.
+const CARMEN: [&str; 9] = [
+    "PARAM",
+    "ODOM",
+    "FLASER",
+    "RLASER",
+    "ROBOTLASER1",
+    "ROBOTLASER2",
+    "RAWLASER1",
+    "TRUEPOS",
+    "SYNC",
+];
+
+/// The format of a recording, by its files or its first lines.
+pub(in crate::cli) fn guess(log: &Path) -> Result<Format> {
+    std::fs::metadata(log).map_err(loc_core::Error::io(log))?;
+    if mrclam::is_mrclam(log) {
+        return Ok(Format::Mrclam);
+    }
+    if labyrinth::is_labyrinth(log) {
+        return Ok(Format::UwbLabyrinth);
+    }
+    if plaza::is_plaza(log) {
+        return Ok(Format::Plaza);
+    }
+    if landmarks::is_course(log) {
+        return Ok(Format::LandmarkCourse);
+    }
+    if victoria_park::is_victoria_park(log) {
+        return Ok(Format::VictoriaPark);
+    }
+    if kf_slam_demo::is_kf_slam_demo(log) {
+        return Ok(Format::KfSlamDemo);
+    }
+    if ros::is_bag(log)? {
+        return Ok(Format::Ros);
+    }
+    if log.is_dir() {
+        return Err(unknown(log, "a folder without any of these"));
+    }
+    // Comments and an odd message or two may stand before the first word that tells.
+    for line in text::open(log)?.take(1 << 20).split(b'\n').take(1000) {
+        let line = line.map_err(loc_core::Error::io(log))?;
+        let line = String::from_utf8_lossy(&line);
+        match line.split_ascii_whitespace().next() {
+            Some("O" | "L") => return Ok(Format::Wean),
+            Some(word) if CARMEN.contains(&word) => return Ok(Format::Carmen),
+            _ => {}
+        }
+    }
+    Err(unknown(log, "a file of another kind"))
+}
+
+fn unknown(log: &Path, found: &str) -> Error {
+    Error::Recording {
+        path: log.to_owned(),
+        expected: "a recording: a bag of ROS, an MCAP file, a folder with Barcodes.dat (mrclam), \
+                   a file *_Input.txt (uwb-labyrinth), plaza1_ranges.csv (plaza), sensor_data.dat \
+                   (landmark-course), *_bearing_range.csv (kf-slam-demo) or \
+                   gtsam_landmark_obs.csv (victoria-park), a log of ODOM and FLASER lines \
+                   (carmen), or of O and L lines (wean)"
+            .into(),
+        found: found.into(),
     }
 }

@@ -120,7 +120,7 @@ fn estimated_path(record: &MethodRecord) -> Vec<(f64, f64)> {
 fn true_path(run: &Run) -> Vec<(f64, f64)> {
     let mut path = Vec::with_capacity(run.truth.len() + 1);
     for (k, truth) in run.truth.iter().enumerate() {
-        let carried = k > 0 && run.was_carried(run.truth[k - 1].stamp, truth.stamp);
+        let carried = k > 0 && run.was_kidnapped(run.truth[k - 1].stamp, truth.stamp);
         path.extend(carried.then_some((f64::NAN, f64::NAN)));
         path.push((truth.value.pose.x, truth.value.pose.y));
     }
@@ -130,7 +130,7 @@ fn true_path(run: &Run) -> Vec<(f64, f64)> {
 /// Where the robot was picked up and put down.
 fn kidnapping(run: &Run, scene: Scene) -> Scene {
     let pairs = run.truth.windows(2);
-    let carried = pairs.filter(|pair| run.was_carried(pair[0].stamp, pair[1].stamp));
+    let carried = pairs.filter(|pair| run.was_kidnapped(pair[0].stamp, pair[1].stamp));
     let places = carried.flat_map(|pair| {
         let [from, to] = [0, 1].map(|k| (pair[k].value.pose.x, pair[k].value.pose.y));
         [(from, "carried off"), (to, "put down")]

@@ -3,7 +3,7 @@
 use super::blob::Blob;
 use crate::localizer::Estimate;
 use crate::output::backdrop;
-use crate::record::{Film, Frame, Inside, MethodRecord, Run};
+use crate::record::{Frame, MethodFrame, MethodRecord, Playback, Run};
 use loc_core::{Pose2, Stamped};
 use loc_maps::Bounds;
 use loc_sensors::event::Truth;
@@ -92,7 +92,7 @@ impl Player {
     /// The run, at the moments that its film has; `None` for one that nobody filmed, and for a
     /// vehicle on a rail, which has no map to show.
     pub(super) fn of(run: &Run) -> Option<Self> {
-        let film = run.film.as_ref().filter(|film| !film.frames.is_empty())?;
+        let film = run.playback.as_ref().filter(|film| !film.frames.is_empty())?;
         if run.setup.rail.is_some() {
             return None;
         }
@@ -128,7 +128,7 @@ impl Player {
 /// The moments of the film among those of the run.
 struct Moments<'a> {
     run: &'a Run,
-    film: &'a Film,
+    film: &'a Playback,
 }
 
 impl Moments<'_> {
@@ -187,7 +187,7 @@ impl Track {
 }
 
 impl Points {
-    fn of(film: &Film, of: impl Fn(&Frame) -> &Vec<[f32; 2]>) -> Self {
+    fn of(film: &Playback, of: impl Fn(&Frame) -> &Vec<[f32; 2]>) -> Self {
         let counts: Vec<u16> = film.frames.iter().map(|frame| of(frame).len() as u16).collect();
         let numbers = film.frames.iter().flat_map(|frame| of(frame).as_flattened());
         // Casts of numbers out of range saturate, 327 m from the robot.
@@ -220,7 +220,7 @@ impl Particles {
 }
 
 impl Hypotheses {
-    fn of<'a>(moments: impl Iterator<Item = &'a Inside> + Clone) -> Option<Self> {
+    fn of<'a>(moments: impl Iterator<Item = &'a MethodFrame> + Clone) -> Option<Self> {
         let counts: Vec<u16> = moments.clone().map(|m| m.hypotheses.len() as u16).collect();
         counts.iter().any(|count| *count > 0).then(|| {
             let numbers = moments.flat_map(|moment| &moment.hypotheses).flat_map(|hypothesis| {

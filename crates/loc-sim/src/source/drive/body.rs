@@ -1,19 +1,13 @@
 //! What moves a simulated robot, and how it feels its own motion.
 
-mod ackermann;
-mod mecanum;
-
-pub use ackermann::AckermannConfig;
-pub use mecanum::MecanumConfig;
-
 use super::{DriveConfig, Segment};
 use crate::Result;
 use crate::config::field;
 use crate::source::OdometryNoiseConfig;
-use ackermann::AckermannOdometry;
 use loc_core::Twist2;
-use loc_core::kinematics::Differential;
+use loc_core::kinematics::{Ackermann, Differential, Mecanum, MecanumWheels};
 use loc_core::motion::VelocityNoise;
+use loc_sensors::encoder::SteeringEncoder;
 use loc_sensors::wheel::{WheelFaults, WheelOdometry};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -180,5 +174,72 @@ fn disturbed<R: Rng + ?Sized>(
         vx: draw(twist.vx, sigmas.x),
         vy: draw(twist.vy, sigmas.y),
         omega: draw(twist.omega, sigmas.z),
+    }
+}
+
+// A car: driven behind, steered in front (E3), with an encoder on its steering (B2).
+
+/// A car and what its odometry gets wrong.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AckermannConfig {
+    /// From the rear axle, where its pose is, to the front axle.
+    pub wheelbase_m: f64,
+    /// Counts of the steering's encoder in a full turn of the wheels' angle.
+    pub steering_counts: u32,
+    /// Random errors of speed and turn rate.
+    pub noise: Option<OdometryNoiseConfig>,
+}
+
+impl AckermannConfig {
+    /// The library's form.
+    fn kinematics(&self) -> Result<Ackermann> {
+        Ok(Ackermann::new(self.wheelbase_m)?)
+    }
+
+    fn odometry(&self, noise: VelocityNoise) -> Result<AckermannOdometry> {
+        let encoder = SteeringEncoder::new(self.steering_counts)?;
+        Ok(AckermannOdometry { kinematics: self.kinematics()?, encoder, noise })
+    }
+}
+
+/// The odometry of a car: its speed, and the angle that the encoder of the steering counts.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::source::drive) struct AckermannOdometry {
+    kinematics: Ackermann,
+    encoder: SteeringEncoder,
+    noise: VelocityNoise,
+}
+
+impl AckermannOdometry {
+    fn measure<R: Rng + ?Sized>(&mut self, twist: Twist2, dt: f64, rng: &mut R) -> Twist2 {
+        let felt = Twist2 { vy: 0.0, ..disturbed(&self.noise, twist, dt, rng) };
+        // A car that stands has no steering angle that its motion would tell.
+        let Ok((speed, steering)) = self.kinematics.wheels(felt) else { return felt };
+        let count = self.encoder.measure(steering, rng);
+        self.kinematics.twist(speed, self.encoder.angle(count))
+    }
+}
+
+// Four wheels with rollers, which carry a robot in every direction (E4).
+
+/// A Mecanum drive and what its odometry gets wrong.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MecanumConfig {
+    /// Between front and rear axle.
+    pub wheelbase_m: f64,
+    /// Between left and right wheels.
+    pub track_m: f64,
+    /// Random errors.
+    pub noise: Option<OdometryNoiseConfig>,
+}
+
+impl MecanumConfig {
+    /// The velocity at rim speeds of the wheels: front left and right, rear left and right \[m/s\].
+    fn twist(&self, speeds: [f64; 4]) -> Result<Twist2> {
+        let [front_left, front_right, rear_left, rear_right] = speeds;
+        let wheels = MecanumWheels { front_left, front_right, rear_left, rear_right };
+        Ok(Mecanum::new(self.wheelbase_m, self.track_m)?.twist(wheels))
     }
 }

@@ -5,8 +5,8 @@
 //! landmarks (x, y, z, .., number) and `*_ground_truth_robot_path.txt` a true pose
 //! (x, y, z, yaw, pitch, roll) for each step. Steps have no times: each is taken for a second.
 
-use super::super::ranging::columns::{distance, not_empty, whole};
 use super::{LandmarkRecording, Parts, observations, odometry};
+use crate::source::text::{distance, not_empty, whole};
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_core::table::Table;

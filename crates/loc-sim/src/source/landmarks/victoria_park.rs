@@ -11,9 +11,9 @@
 //! is taken at 21.6 s and each of the others 0.2137 s after the one before (correlation 0.9 at the
 //! beginning, in the middle and at the end).
 
-use super::super::ranging::columns::{distance, not_empty, stamp_after, whole};
 use super::{LandmarkRecording, Parts, folder_name, observations, odometry};
 use crate::metrics::{Alignment, Pair, transform};
+use crate::source::text::{distance, not_empty, stamp_after, whole};
 use crate::{Error, Result};
 use loc_core::kinematics::Ackermann;
 use loc_core::motion::Integration;

@@ -1,33 +1,33 @@
-//! A reference that comes in a file of its own.
+//! Reference poses from a separate file.
 
-use super::{Entry, LaserLog, What, unsuitable};
+use super::{Entry, LaserLog, unsuitable};
 use crate::Result;
 use loc_core::table::{Row, Table};
 use loc_core::{Error, Pose2, Trajectory};
+use loc_sensors::event::Payload;
 use std::path::Path;
 
-/// A pose of the reference belongs to messages whose stamp is at most this much later \[s\]: files
-/// round their stamps.
+/// Tolerance by which the stamp of a message may be later than that of its reference pose \[s\]:
+/// files round their stamps.
 const ROUNDING: f64 = 1e-3;
 
-/// A track that says how well it is known is a reference once it is known this well \[m\].
-const LARGEST_SPREAD: f64 = 0.3;
+/// Largest spread of a pose that is used as reference, where the file gives it \[m\].
+const MAX_SPREAD: f64 = 0.3;
 
-/// Poses in the map to judge by.
+/// Reference poses in the map, which estimates are compared with.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reference {
     /// The poses.
     pub poses: Trajectory,
-    /// How many were left out, because they or later ones were not known well enough.
+    /// Number of poses left out, because they or later ones were too uncertain.
     pub vague: usize,
 }
 
 impl Reference {
     /// Reads a TUM file, or a CSV file whose first line names its columns: `time_s`, `x_m` and
-    /// `y_m` (or `_cm`), `theta_rad` (or `_deg`). In a column `spread_m` (or `_cm`) the file may
-    /// say how well it knows each pose: it then comes from a filter that had to find the robot
-    /// first, and all up to the last pose with more than 0.3 m is left out. Other columns are
-    /// passed over.
+    /// `y_m` (or `_cm`), `theta_rad` (or `_deg`). A column `spread_m` (or `_cm`) may give the
+    /// uncertainty of each pose: the file then comes from a filter that had to converge first, and
+    /// all up to the last pose with more than 0.3 m is left out. Other columns are ignored.
     ///
     /// # Errors
     /// [`Error::Io`], [`Error::Parse`] with line and column, [`Error::Empty`].
@@ -45,7 +45,7 @@ impl Reference {
     /// As [`Reference::read`].
     pub fn parse(file: &Path, text: &str) -> Result<Self> {
         let header = text.lines().next().unwrap_or_default().trim_start_matches('#');
-        // What follows the names in brackets is a remark.
+        // Text in brackets after the names is a comment.
         let header = header.split('(').next().unwrap_or_default();
         let columns: Vec<&str> = header.split(',').map(str::trim).collect();
         let table = Table::parse(file, text, &columns);
@@ -64,8 +64,7 @@ impl Reference {
         let mut reference = Reference::default();
         for row in table.rows() {
             let row = row?;
-            if spread.map(|spread| value(&row, spread)).transpose()?.unwrap_or(0.0) > LARGEST_SPREAD
-            {
+            if spread.map(|spread| value(&row, spread)).transpose()?.unwrap_or(0.0) > MAX_SPREAD {
                 reference.vague += 1 + reference.poses.len();
                 reference.poses = Trajectory::new();
                 continue;
@@ -90,8 +89,8 @@ fn names(units: &[(&str, f64)]) -> String {
     format!("a column {} in the first line", names.join(" or "))
 }
 
-/// Puts the poses of a reference among the messages of a log, in place of the log's own.
-pub(super) fn put_beside(log: &mut LaserLog, reference: &Reference) -> Result<()> {
+/// Merges the poses of a reference into a log by their stamps, in place of the log's own.
+pub(super) fn merge(log: &mut LaserLog, reference: &Reference) -> Result<()> {
     let before = log.entries.first().map_or(0.0, |entry| entry.stamp);
     let after = log.entries.last().map_or(0.0, |entry| entry.stamp);
     let mut merged = Vec::with_capacity(log.entries.len() + reference.poses.len());
@@ -103,16 +102,14 @@ pub(super) fn put_beside(log: &mut LaserLog, reference: &Reference) -> Result<()
     }
     for mut entry in log.entries.drain(..) {
         while let Some(pose) = poses.next_if(|pose| entry.stamp > pose.stamp + ROUNDING) {
-            merged.push(Entry { stamp: pose.stamp, what: What::Truth(pose.value) });
+            merged.push(Entry::of_truth(pose.stamp, pose.value));
         }
-        match &mut entry.what {
-            What::Truth(_) => continue,
-            What::Scan(scan) => scan.truth = None,
-            What::Odometry(_) | What::Measured(_) => {}
+        entry.payloads.retain(|payload| !matches!(payload, Payload::Truth(_)));
+        if !entry.payloads.is_empty() {
+            merged.push(entry);
         }
-        merged.push(entry);
     }
-    merged.extend(poses.map(|p| Entry { stamp: p.stamp, what: What::Truth(p.value) }));
+    merged.extend(poses.map(|p| Entry::of_truth(p.stamp, p.value)));
     log.entries = merged;
     if reference.vague > 0 {
         let vague = reference.vague;

@@ -7,8 +7,8 @@
 //! and calls the last of the lengths the distance between the wheels; against the true path only
 //! the left wheel first and half that distance fit. No true heading was recorded.
 
-use super::columns::{distance, not_empty, stamp_after, whole};
 use super::{Parts, RangeRecording, RangingStart, range_event};
+use crate::source::text::{distance, not_empty, stamp_after, whole};
 use crate::{Error, Result};
 use loc_core::kinematics::Differential;
 use loc_core::motion::Integration;
@@ -20,7 +20,7 @@ use nalgebra::Point2;
 use std::path::{Path, PathBuf};
 
 /// Of the first so many metres the direction tells the heading at the start \[m\].
-const FIRST_WAY: f64 = 0.3;
+const FIRST_SEGMENT: f64 = 0.3;
 
 /// The file with the sensors' lines in a folder of this kind.
 fn input(folder: &Path) -> Option<PathBuf> {
@@ -155,9 +155,9 @@ fn read_truth(file: &Path) -> Result<Vec<Stamped<Point2<f64>>>> {
 fn start_pose(positions: &[Stamped<Point2<f64>>], velocities: &[Stamped<Twist2>]) -> Pose2 {
     let Some(first) = positions.first() else { return Pose2::IDENTITY };
     let moved = positions.iter().map(|p| (p.stamp, p.value - first.value));
-    let heading = moved.filter(|(_, way)| way.norm() >= FIRST_WAY).find_map(|(stamp, way)| {
+    let heading = moved.filter(|(_, way)| way.norm() >= FIRST_SEGMENT).find_map(|(stamp, way)| {
         let driven = dead_reckoned(velocities, stamp).position();
-        let far = driven.coords.norm() >= 0.5 * FIRST_WAY;
+        let far = driven.coords.norm() >= 0.5 * FIRST_SEGMENT;
         far.then(|| angle::difference(way.y.atan2(way.x), driven.y.atan2(driven.x)))
     });
     Pose2::new(first.value.x, first.value.y, heading.unwrap_or(0.0))

@@ -1,6 +1,5 @@
 //! Recordings of a robot that measures distances to beacons: radio ranging and odometry.
 
-pub(super) mod columns;
 pub mod labyrinth;
 pub mod plaza;
 

@@ -6,8 +6,8 @@
 //! reference takes its positions from RTK GPS but its headings from the odometry, so that heading
 //! errors tell how far a method departs from odometry.
 
-use super::columns::{distance, not_empty, stamp_after, whole};
 use super::{Parts, RangeRecording, RangingStart, range_event};
+use crate::source::text::{distance, not_empty, stamp_after, whole};
 use crate::{Error, Result};
 use loc_core::table::Table;
 use loc_core::{Pose2, Twist2};

@@ -7,39 +7,35 @@
 //! Tour, wheels, laser and people draw from random streams of their own: a run with people, or
 //! with another laser, drives the same tour.
 
-mod camera;
 mod config;
-mod driver;
-mod laser;
-mod roads;
 mod world;
 
 pub use config::{
     Drawn, KidnapConfig, KidnapTarget, PoseConfig, StartSigmaConfig, TourConfig, TourWheelConfig,
 };
-pub use driver::RobotConfig;
-pub use laser::{LaserConfig, LaserPreset};
-pub use world::{TourWorld, WorldConfig};
+pub use world::{RobotConfig, TourWorld, WorldConfig};
 
 use super::people::Crowd;
 use super::{Setup, Source};
 use crate::Result;
-use camera::TourCamera;
-use driver::Driver;
+use loc_core::error::positive;
 use loc_core::gaussian::pose_belief;
 use loc_core::motion::Integration;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
-use loc_maps::LineMap;
+use loc_maps::{LandmarkMap, LineMap};
 use loc_sensors::event::{Control, Event, Measurement, Payload, Truth};
-use loc_sensors::laser::LaserScanner;
+use loc_sensors::landmark_camera::LandmarkCamera;
+use loc_sensors::laser::{LaserFaults, LaserScanner, LaserSpec};
 use loc_sensors::wheel::WheelOdometry;
+use loc_sensors::world::{LandmarkWorld, RangeWorld};
 use nalgebra::Point2;
 use rand::RngExt;
-use roads::Roads;
+use serde::Deserialize;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 use std::sync::Arc;
+use world::{Driver, Roads};
 
 /// A robot is carried at least this far, where the building is large enough \[m\].
 const CARRIED: f64 = 5.0;
@@ -169,7 +165,7 @@ impl SimulatedTour {
         if self.step.is_multiple_of(self.scan_every) {
             let (pose, rng) = (self.pose, &mut self.laser_rng);
             let scan = match &self.crowd {
-                Some(crowd) => self.scanner.scan(&crowd.before(&self.world.walls), pose, rng),
+                Some(crowd) => self.scanner.scan(&crowd.with_people(&self.world.walls), pose, rng),
                 None => self.scanner.scan(&self.world.walls, pose, rng),
             };
             let (scan, mounting) = (Arc::new(scan), self.scanner.mounting);
@@ -265,5 +261,128 @@ impl Kidnap {
             let far = draws.iter().find(|to| to.distance(pose) >= CARRIED);
             far.or(draws.last()).copied().unwrap_or(pose)
         })
+    }
+}
+
+// A laser scanner, in the units of configuration files.
+
+/// A laser scanner on a robot.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LaserConfig {
+    /// Its data sheet.
+    pub preset: LaserPreset,
+    /// Time between two scans that are looked at; a multiple of the time step.
+    #[serde(default = "every")]
+    pub every_s: f64,
+    /// Where it sits on the robot: forward.
+    #[serde(default)]
+    pub forward_m: f64,
+    /// Where it sits on the robot: to the left.
+    #[serde(default)]
+    pub left_m: f64,
+    /// How it is turned, counter-clockwise.
+    #[serde(default)]
+    pub yaw_deg: f64,
+    /// Standard deviation of a range, where it is not the data sheet's.
+    pub sigma_m: Option<f64>,
+    /// Longest range, where it is not the data sheet's.
+    pub max_range_m: Option<f64>,
+    /// What goes wrong with single beams, as probabilities: `dropout`, `erroneous`, `short`.
+    #[serde(default)]
+    pub faults: LaserFaults,
+}
+
+/// Scanners with a data sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum LaserPreset {
+    /// [`LaserSpec::hokuyo_ust_10lx`]: 270 deg in 0.25 deg, up to 10 m.
+    #[serde(rename = "hokuyo-ust-10lx")]
+    HokuyoUst10Lx,
+    /// [`LaserSpec::sick_lms100`]: 270 deg in 0.25 deg, up to 18 m.
+    #[serde(rename = "sick-lms100")]
+    SickLms100,
+    /// [`LaserSpec::sick_lms100_50_hz`]: 270 deg in 0.5 deg, up to 18 m.
+    #[serde(rename = "sick-lms100-50hz")]
+    SickLms100At50Hz,
+}
+
+fn every() -> f64 {
+    0.2
+}
+
+impl LaserConfig {
+    /// The library's form.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`].
+    pub fn scanner(&self) -> Result<LaserScanner> {
+        positive("laser.every_s", self.every_s)?;
+        let mut spec = match self.preset {
+            LaserPreset::HokuyoUst10Lx => LaserSpec::hokuyo_ust_10lx(),
+            LaserPreset::SickLms100 => LaserSpec::sick_lms100(),
+            LaserPreset::SickLms100At50Hz => LaserSpec::sick_lms100_50_hz(),
+        };
+        spec.noise.sigma = self.sigma_m.unwrap_or(spec.noise.sigma);
+        spec.range_max = self.max_range_m.unwrap_or(spec.range_max);
+        let mounting = Pose2::new(self.forward_m, self.left_m, self.yaw_deg.to_radians());
+        let scanner = LaserScanner { mounting, spec, faults: self.faults };
+        scanner.check()?;
+        Ok(scanner)
+    }
+}
+
+// The camera that sees the landmarks of the building, as far as no wall is before them.
+
+/// A landmark hangs on a wall, hence within a cell or two of one \[m\].
+const ON_THE_WALL: f64 = 0.15;
+
+/// A camera that looks now and then.
+#[derive(Debug)]
+struct TourCamera {
+    camera: LandmarkCamera,
+    every: usize,
+    rng: ChaCha8Rng,
+}
+
+impl TourCamera {
+    /// The camera, where the configuration has one.
+    fn new(config: &TourConfig, seed: u64) -> Result<Option<Self>> {
+        let Some(camera) = &config.camera else { return Ok(None) };
+        Ok(Some(TourCamera {
+            camera: camera.camera()?,
+            every: config.steps("tour.camera.every_s", camera.every_s)?,
+            rng: stream(seed, "camera"),
+        }))
+    }
+
+    /// What it sees at a step, where it looks and something is in view.
+    fn look(&mut self, step: usize, world: &TourWorld, pose: Pose2) -> Option<Measurement> {
+        if !step.is_multiple_of(self.every) {
+            return None;
+        }
+        let observations = self.camera.observe(&InSight(world), pose, &mut self.rng);
+        (!observations.is_empty()).then_some(Measurement::Landmarks(observations))
+    }
+}
+
+/// The landmarks of a building that no wall hides.
+struct InSight<'a>(&'a TourWorld);
+
+impl LandmarkWorld for InSight<'_> {
+    fn visit_landmarks(
+        &self,
+        center: &Point2<f64>,
+        radius: f64,
+        visit: &mut dyn FnMut(u32, Point2<f64>),
+    ) {
+        let landmarks: &LandmarkMap = &self.0.landmarks;
+        landmarks.visit_landmarks(center, radius, &mut |id, position| {
+            let way = position - center;
+            let free = way.norm() - ON_THE_WALL;
+            if free <= 0.0 || self.0.walls.cast(center, way.y.atan2(way.x), free).is_none() {
+                visit(id, position);
+            }
+        });
     }
 }

@@ -2,11 +2,18 @@
 
 use crate::config::field;
 use crate::{Error, Result};
-use loc_maps::grid::{Occupancy, io};
-use loc_maps::worlds::{self, WorldSettings};
-use loc_maps::{DistanceMap, LandmarkMap, OccupancyGrid, RayCaster};
+use loc_core::error::positive;
+use loc_core::motion::Integration;
+use loc_core::random::ChaCha8Rng;
+use loc_core::{Pose2, Twist2, angle};
+use loc_maps::grid::{GridFrame, Occupancy, io};
+use loc_maps::worlds::WorldSettings;
+use loc_maps::{DistanceMap, LandmarkMap, OccupancyGrid, RayCaster, worlds};
 use nalgebra::Point2;
+use rand::RngExt;
 use serde::Deserialize;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -100,5 +107,306 @@ impl TourWorld {
     /// Distance to what is not free \[m\], at most 3 m; 0 off the map.
     pub fn clearance(&self, point: &Point2<f64>) -> f64 {
         self.clearance.distance_at(point).unwrap_or(0.0)
+    }
+}
+
+// Where a robot can drive, and the way from one place to another.
+//
+// The map is looked at in squares of about 10 cm. Those with room for the robot are joined to
+// their eight neighbours; the largest part that hangs together is where tours lead. Ways are
+// found by A* (Hart, Nilsson and Raphael, 1968), and squares near walls cost more, so that they
+// lead through the middle of doors.
+
+/// Side of the squares \[m\], as far as the map's cells allow.
+const SQUARE: f64 = 0.1;
+/// With this much more room than the robot needs, more makes no difference \[m\].
+const COMFORT: f64 = 0.4;
+/// How many times longer a way along a wall counts.
+const RELUCTANCE: f64 = 4.0;
+/// A place that somebody names may lie this far from where the robot can be \[m\].
+const SNAP: f64 = 1.0;
+const DIAGONAL: f64 = std::f64::consts::SQRT_2;
+
+/// The squares that a robot can drive on.
+#[derive(Debug)]
+pub(super) struct Roads {
+    frame: GridFrame,
+    /// Factor by which a way over a square counts; 0 where the robot does not fit.
+    cost: Vec<f32>,
+    /// The squares of the largest part.
+    places: Vec<u32>,
+}
+
+impl Roads {
+    /// The roads for a robot that keeps `radius` \[m\] from walls.
+    pub(super) fn new(world: &TourWorld, radius: f64) -> Result<Self> {
+        let map = world.grid.frame();
+        let square = SQUARE.max(map.resolution());
+        let across = |cells: usize| (cells as f64 * map.resolution() / square).ceil() as usize;
+        let (width, height) = (across(map.width()), across(map.height()));
+        let frame = GridFrame::new(width, height, square, map.origin())?;
+        let room = frame.cells().map(|cell| world.clearance(&frame.center(cell)));
+        let cost = room.map(|room| match room - radius {
+            spare if spare < 0.0 => 0.0,
+            spare => (1.0 + RELUCTANCE * (1.0 - spare / COMFORT).max(0.0)) as f32,
+        });
+        let mut roads = Roads { frame, cost: cost.collect(), places: Vec::new() };
+        roads.places = roads.largest_part();
+        if roads.places.is_empty() {
+            let expected = format!("free space for a robot of radius {radius} m");
+            return Err(field("tour.world", &expected, "none"));
+        }
+        Ok(roads)
+    }
+
+    /// A place drawn evenly from the roads.
+    pub(super) fn draw(&self, rng: &mut ChaCha8Rng) -> Point2<f64> {
+        self.center(self.places[rng.random_range(0..self.places.len())])
+    }
+
+    /// The nearest place on the roads.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] where that is farther than 1 m.
+    pub(super) fn nearest(&self, key: &str, point: Point2<f64>) -> Result<Point2<f64>> {
+        let centers = self.places.iter().map(|&square| self.center(square));
+        let far = |place: &Point2<f64>| nalgebra::distance(place, &point);
+        let nearest = centers.min_by(|a, b| far(a).total_cmp(&far(b)));
+        nearest.filter(|place| far(place) < SNAP).ok_or_else(|| {
+            let found = format!("{:.2}, {:.2}", point.x, point.y);
+            field(key, "a place within 1 m of where the robot can drive", &found)
+        })
+    }
+
+    /// The cheapest way from one place on the roads to another, square by square; `None` where
+    /// one of them is not on the roads.
+    pub(super) fn way(&self, from: Point2<f64>, to: Point2<f64>) -> Option<Vec<Point2<f64>>> {
+        let (start, goal) = (self.square_at(from)?, self.square_at(to)?);
+        let mut best = vec![f32::INFINITY; self.cost.len()];
+        let mut came_from = vec![start; self.cost.len()];
+        let mut open = BinaryHeap::new();
+        best[start as usize] = 0.0;
+        open.push(Reverse((0_u32, start)));
+        while let Some(Reverse((_, square))) = open.pop() {
+            if square == goal {
+                return Some(self.trace(&came_from, start, goal));
+            }
+            let so_far = best[square as usize];
+            for (next, length) in self.neighbours(square) {
+                let mean = 0.5 * (self.cost[square as usize] + self.cost[next as usize]);
+                let cost = so_far + mean * length as f32;
+                if cost < best[next as usize] {
+                    best[next as usize] = cost;
+                    came_from[next as usize] = square;
+                    let estimate = f64::from(cost) + self.steps_between(next, goal);
+                    // Thousandths of a square are fine enough to order by.
+                    open.push(Reverse(((1e3 * estimate) as u32, next)));
+                }
+            }
+        }
+        None
+    }
+
+    fn trace(&self, came_from: &[u32], start: u32, goal: u32) -> Vec<Point2<f64>> {
+        let mut way = vec![self.center(goal)];
+        let mut square = goal;
+        while square != start {
+            square = came_from[square as usize];
+            way.push(self.center(square));
+        }
+        way.reverse();
+        way
+    }
+
+    fn largest_part(&self) -> Vec<u32> {
+        let mut seen = vec![false; self.cost.len()];
+        let mut largest = Vec::new();
+        for first in 0..self.cost.len() {
+            if seen[first] || self.cost[first] <= 0.0 {
+                continue;
+            }
+            // A grid has at most 2^28 cells.
+            let mut part = vec![first as u32];
+            seen[first] = true;
+            let mut done = 0;
+            while let Some(&square) = part.get(done) {
+                done += 1;
+                for (next, _) in self.neighbours(square) {
+                    if !std::mem::replace(&mut seen[next as usize], true) {
+                        part.push(next);
+                    }
+                }
+            }
+            if part.len() > largest.len() {
+                largest = part;
+            }
+        }
+        largest
+    }
+
+    /// The squares beside one that have room, with their distances \[squares\].
+    fn neighbours(&self, square: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let (column, row) = self.column_row(square);
+        let (width, height) = (self.frame.width() as i64, self.frame.height() as i64);
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+        around.filter(|&step| step != (0, 0)).filter_map(move |(dx, dy)| {
+            let (x, y) = (column + dx, row + dy);
+            let inside = (0..width).contains(&x) && (0..height).contains(&y);
+            let next = inside.then_some((y * width + x) as u32)?;
+            let length = if dx != 0 && dy != 0 { DIAGONAL } else { 1.0 };
+            (self.cost[next as usize] > 0.0).then_some((next, length))
+        })
+    }
+
+    fn steps_between(&self, a: u32, b: u32) -> f64 {
+        let ((ax, ay), (bx, by)) = (self.column_row(a), self.column_row(b));
+        ((ax - bx) as f64).hypot((ay - by) as f64)
+    }
+
+    fn column_row(&self, square: u32) -> (i64, i64) {
+        let width = self.frame.width() as i64;
+        (i64::from(square) % width, i64::from(square) / width)
+    }
+
+    fn center(&self, square: u32) -> Point2<f64> {
+        let (column, row) = self.column_row(square);
+        self.frame.to_map(column as f64 + 0.5, row as f64 + 0.5)
+    }
+
+    /// The square of a point, or the nearest one with room: a robot that follows a way is never
+    /// exactly on it.
+    fn square_at(&self, point: Point2<f64>) -> Option<u32> {
+        let cell = self.frame.cell_at(&point)?;
+        let square = self.frame.index(cell)? as u32;
+        if self.cost[square as usize] > 0.0 {
+            return Some(square);
+        }
+        let far = |next: &u32| nalgebra::distance(&self.center(*next), &point);
+        self.places.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b)))
+    }
+}
+
+// How a robot follows a way: it steers towards a point a little ahead on it (pure pursuit,
+// Coulter 1992), slows down in turns, and turns on the spot where the way leads elsewhere.
+
+/// How far ahead the robot looks \[m\].
+const AHEAD: f64 = 0.45;
+/// A way ends this far from its last point \[m\].
+const ARRIVED: f64 = 0.15;
+/// Where the way turns off by more than this, the robot turns on the spot \[rad\].
+const TURN_FIRST: f64 = 0.9;
+/// Turn rate for each radian that the robot looks past its point \[1/s\].
+const STEERING: f64 = 2.5;
+
+/// What the robot can do.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RobotConfig {
+    /// The robot keeps this far from walls.
+    pub radius_m: f64,
+    /// Speed where nothing is in the way.
+    pub speed_m_s: f64,
+    /// Largest turn rate.
+    pub turn_deg_s: f64,
+    /// Change of the speed.
+    pub acceleration_m_s2: f64,
+    /// Change of the turn rate.
+    pub turn_acceleration_deg_s2: f64,
+}
+
+impl Default for RobotConfig {
+    /// A small service robot.
+    fn default() -> Self {
+        RobotConfig {
+            radius_m: 0.3,
+            speed_m_s: 0.7,
+            turn_deg_s: 70.0,
+            acceleration_m_s2: 0.8,
+            turn_acceleration_deg_s2: 200.0,
+        }
+    }
+}
+
+impl RobotConfig {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] with the key.
+    pub(super) fn check(&self) -> crate::Result<()> {
+        positive("tour.robot.radius_m", self.radius_m)?;
+        positive("tour.robot.speed_m_s", self.speed_m_s)?;
+        positive("tour.robot.turn_deg_s", self.turn_deg_s)?;
+        positive("tour.robot.acceleration_m_s2", self.acceleration_m_s2)?;
+        positive("tour.robot.turn_acceleration_deg_s2", self.turn_acceleration_deg_s2)?;
+        Ok(())
+    }
+}
+
+/// A robot on its way.
+#[derive(Debug)]
+pub(super) struct Driver {
+    robot: RobotConfig,
+    way: Vec<Point2<f64>>,
+    /// The point that the robot steers to.
+    next: usize,
+    twist: Twist2,
+}
+
+impl Driver {
+    /// A robot that stands still.
+    pub(super) fn new(robot: RobotConfig) -> Self {
+        Driver { robot, way: Vec::new(), next: 0, twist: Twist2::ZERO }
+    }
+
+    /// Sends the robot on a way.
+    pub(super) fn follow(&mut self, way: Vec<Point2<f64>>) {
+        (self.way, self.next) = (way, 0);
+    }
+
+    /// Stops at once: the robot has been lifted.
+    pub(super) fn stop(&mut self) {
+        self.follow(Vec::new());
+        self.twist = Twist2::ZERO;
+    }
+
+    /// Whether a robot at `pose` is at the end of its way.
+    pub(super) fn has_arrived(&self, pose: Pose2) -> bool {
+        let left = self.way.last().map(|end| nalgebra::distance(end, &pose.position()));
+        left.is_none_or(|left| left < ARRIVED)
+    }
+
+    /// The velocity over the next step of `dt` \[s\].
+    pub(super) fn steer(&mut self, world: &TourWorld, pose: Pose2, dt: f64) -> Twist2 {
+        let goal = self.wanted(pose);
+        let toward = |now: f64, goal: f64, rate: f64| now + (goal - now).clamp(-rate, rate);
+        let robot = &self.robot;
+        let (change, turn) =
+            (robot.acceleration_m_s2 * dt, robot.turn_acceleration_deg_s2.to_radians() * dt);
+        let twist = Twist2::forward(
+            toward(self.twist.vx, goal.vx, change),
+            toward(self.twist.omega, goal.omega, turn),
+        );
+        let after = Integration::ExactArc.step(pose, twist, dt);
+        let [now, then] = [pose, after].map(|pose| world.clearance(&pose.position()));
+        // The brakes are better than the motors.
+        let blocked = then < 0.8 * self.robot.radius_m && then <= now;
+        self.twist = if blocked { Twist2::forward(0.0, goal.omega) } else { twist };
+        self.twist
+    }
+
+    /// The velocity that leads to the way.
+    fn wanted(&mut self, pose: Pose2) -> Twist2 {
+        let here = pose.position();
+        let near = |point: &Point2<f64>| nalgebra::distance(point, &here) < AHEAD;
+        while self.next + 1 < self.way.len() && near(&self.way[self.next]) {
+            self.next += 1;
+        }
+        let Some(point) = self.way.get(self.next) else { return Twist2::ZERO };
+        let direction = (point.y - here.y).atan2(point.x - here.x);
+        let off = angle::difference(direction, pose.theta);
+        let turn = self.robot.turn_deg_s.to_radians();
+        let omega = (STEERING * off).clamp(-turn, turn);
+        let straight = (1.0 - off.abs() / TURN_FIRST).max(0.0);
+        Twist2::forward(self.robot.speed_m_s * straight, omega)
     }
 }

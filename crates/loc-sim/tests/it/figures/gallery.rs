@@ -1,8 +1,10 @@
 //! Realistic figures, left in the target's tmp folder to be looked at.
 
 use super::check;
-use super::drives::{self, Drive, STEP};
-use loc_core::{Ellipse, Pose2};
+use loc_core::motion::{Integration, VelocityNoise, dead_reckon};
+use loc_core::nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
+use loc_core::random::{ChaCha8Rng, stream};
+use loc_core::{Ellipse, Gaussian, Pose2, Twist2};
 use loc_sim::output::svg::{Backdrop, Chart, Figure, Role, Scene};
 
 const COLORS: Role = Role::Method(0);
@@ -30,7 +32,7 @@ fn ellipses(drive: &Drive, every: usize) -> Vec<Ellipse> {
 
 #[test]
 fn dead_reckoning() {
-    let drive = drives::circle(0, 4);
+    let drive = circle(0, 4);
     let poses = drive.beliefs.iter().step_by(20).map(loc_core::Gaussian::pose);
     let scene = Scene::new("Dead reckoning on a circle")
         .subtitle("140 steps of 0.1 s; 2-sigma ellipses every 10 steps")
@@ -43,8 +45,8 @@ fn dead_reckoning() {
 
 #[test]
 fn landmark_drive() {
-    let drive = drives::circle(10, 4);
-    let lost = drives::circle(0, 4);
+    let drive = circle(10, 4);
+    let lost = circle(0, 4);
     let scene = Scene::new("Localization by landmarks")
         .subtitle("Range and bearing to the nearest landmark once per second")
         .ellipses(Role::Method(1), "2-sigma ellipse", ellipses(&drive, 5))
@@ -52,14 +54,14 @@ fn landmark_drive() {
         .path(COLORS.dashed(), "dead-reckoning", estimates(&lost))
         .path(Role::Method(1), "ekf", estimates(&drive))
         .stars(Role::Measurement, "measurement", drive.seen.clone())
-        .crosses(Role::Landmark, "landmark", drives::landmarks());
+        .crosses(Role::Landmark, "landmark", landmarks());
     keep("landmark_drive", &scene.render());
 }
 
 #[test]
 fn error_panels() {
-    let drive = drives::circle(10, 4);
-    let lost = drives::circle(0, 4);
+    let drive = circle(10, 4);
+    let lost = circle(0, 4);
     let mut figure = Figure::new("Errors of the pose with their 2-sigma bands")
         .subtitle("A consistent filter keeps its error inside its band 95 % of the time")
         .x_label("time [s]");
@@ -156,7 +158,7 @@ fn a_long_recording() {
 
 #[test]
 fn particles_in_a_corridor() {
-    let drive = drives::circle(0, 9);
+    let drive = circle(0, 9);
     let mut rng = loc_core::random::stream(1, "particles");
     let last = drive.beliefs[140].position();
     let cloud: Vec<(f64, f64)> =
@@ -193,3 +195,77 @@ fn single_point_and_nothing() {
 
 /// Two by two pixels.
 const CHECKERS: &str = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAAAAABX3VL4AAAADklEQVR4nGP4f5bh7H8ACs4DmS20PHEAAAAASUVORK5CYII=";
+
+pub(super) const STEP: f64 = 0.1;
+
+/// True poses, beliefs, and where measurements saw landmarks.
+pub(super) struct Drive {
+    pub(super) truth: Vec<Pose2>,
+    pub(super) beliefs: Vec<Gaussian<3>>,
+    pub(super) seen: Vec<(f64, f64)>,
+}
+
+pub(super) fn landmarks() -> Vec<((f64, f64), String)> {
+    let places = [
+        (0.5, 2.2),
+        (3.0, -0.6),
+        (5.2, 1.4),
+        (4.8, 4.4),
+        (2.0, 5.4),
+        (-0.8, 4.2),
+        (2.2, 2.6),
+        (2.4, 2.5),
+    ];
+    let named = |(k, place): (usize, (f64, f64))| (place, format!("{}", k + 6));
+    places.into_iter().enumerate().map(named).collect()
+}
+
+/// A circle of 140 steps; every `fix_every` steps the position is measured by a landmark.
+pub(super) fn circle(fix_every: usize, seed: u64) -> Drive {
+    let mut rng = stream(seed, "figures");
+    let noise = VelocityNoise::from_sigmas(0.05, 0.6, 0.06).unwrap();
+    let twist = Twist2::forward(1.0, std::f64::consts::TAU / 14.0);
+    let mut truth = vec![Pose2::new(2.0, 0.2, 0.0)];
+    let mut beliefs = vec![Gaussian::certain(truth[0].to_vector())];
+    let mut seen = Vec::new();
+    for k in 1..=140 {
+        let disturbed = disturb(twist, &noise, &mut rng);
+        let pose = Integration::ExactArc.step(truth[k - 1], disturbed, STEP);
+        let mut belief = dead_reckon(&beliefs[k - 1], twist, STEP, Integration::ExactArc, &noise);
+        if fix_every > 0 && k % fix_every == 0 {
+            belief = fix(&belief, pose, &mut rng, &mut seen);
+        }
+        truth.push(pose);
+        beliefs.push(belief);
+    }
+    Drive { truth, beliefs, seen }
+}
+
+fn disturb(twist: Twist2, noise: &VelocityNoise, rng: &mut ChaCha8Rng) -> Twist2 {
+    let wanted = Gaussian::new(twist.to_vector(), noise.covariance(twist, STEP)).unwrap();
+    Twist2::from_vector(&wanted.sample(rng))
+}
+
+/// A Kalman correction by the position that a landmark's observation amounts to.
+fn fix(
+    belief: &Gaussian<3>,
+    pose: Pose2,
+    rng: &mut ChaCha8Rng,
+    seen: &mut Vec<(f64, f64)>,
+) -> Gaussian<3> {
+    let h = Matrix2x3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+    let r = Matrix2::identity() * 0.15f64.powi(2);
+    let measured = Gaussian::new(Vector2::new(pose.x, pose.y), r).unwrap().sample(rng);
+    let s = h * belief.covariance * h.transpose() + r;
+    let gain = belief.covariance * h.transpose() * s.try_inverse().unwrap();
+    let mean: Vector3<f64> = belief.mean + gain * (measured - h * belief.mean);
+    let covariance = belief.covariance - gain * s * gain.transpose();
+    let nearest = landmarks().into_iter().map(|(place, _)| place).min_by(|a, b| {
+        let far = |p: &(f64, f64)| f64::hypot(p.0 - pose.x, p.1 - pose.y);
+        far(a).total_cmp(&far(b))
+    });
+    let (x, y) = nearest.unwrap();
+    seen.push((x + mean.x - pose.x, y + mean.y - pose.y));
+    let covariance = 0.5 * (covariance + covariance.transpose());
+    Gaussian { mean, covariance }
+}

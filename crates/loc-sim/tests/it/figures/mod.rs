@@ -1,11 +1,8 @@
 //! Figures: files that every viewer can read, and pictures that do not lie.
 
 mod charts;
-mod drives;
 mod gallery;
 mod scenes;
-mod thinning;
-mod ticks;
 
 use roxmltree::{Document, Node};
 

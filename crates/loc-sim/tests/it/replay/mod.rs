@@ -2,9 +2,7 @@
 //! set.
 
 mod command;
-mod kidnapping;
 mod recording;
-mod runs;
 
 use loc_core::Pose2;
 use loc_maps::OccupancyGrid;

@@ -19,7 +19,7 @@ fn a_run_becomes_topics_of_ros() {
         .or_else(|_| Scenario::named("landmark-drive", &[]))
         .unwrap();
     let mut recorder = McapRecorder::create(&file).unwrap();
-    let run = scenario.run_watched(Some(1), Some(&[Method::Ekf]), &mut recorder).unwrap();
+    let run = scenario.run_observed(Some(1), Some(&[Method::Ekf]), &mut recorder).unwrap();
     recorder.finish().unwrap();
     let (messages, notes) = all(&mut McapReader::open(&file).unwrap());
     assert!(notes.is_empty(), "{notes:?}");

@@ -3,7 +3,6 @@
 use super::join::Join;
 use crate::Result;
 use crate::source::OdometryTiming;
-use crate::source::laser_log::What;
 use loc_pf::delay::{DelayEstimate, DelayEstimator, DelaySettings};
 
 /// How much of a bag is looked through \[s\].
@@ -31,10 +30,10 @@ impl MeasuredDelay {
             if estimator.has_enough() || entry.stamp > begin + WINDOW {
                 break;
             }
-            match entry.what {
-                What::Odometry(pose) => estimator.odometry(entry.stamp, pose),
-                What::Scan(scan) => estimator.scan(entry.stamp, &scan.scan, scan.mounting),
-                What::Truth(_) | What::Measured(_) => {}
+            if let Some((scan, mounting)) = entry.scan() {
+                estimator.scan(entry.stamp, scan, mounting);
+            } else if let Some(pose) = entry.odometry() {
+                estimator.odometry(entry.stamp, pose);
             }
         }
         let found = estimator.estimate();

@@ -27,7 +27,7 @@ use self::delay::MeasuredDelay;
 use self::join::Join;
 use self::preview::Preview;
 use self::roles::Roles;
-use crate::source::laser_log::{Entry, LaserLog, ReplayOptions, Scans, What, belief, start_pose};
+use crate::source::laser_log::{Entry, LaserLog, ReplayOptions, Scans, belief, start_pose};
 use crate::source::{OdometryTiming, Setup, Source};
 use crate::{Error, Result};
 use loc_sensors::event::Event;
@@ -67,13 +67,12 @@ impl RosRecording {
         // Everything up to the first scan, and on to the first true pose.
         let mut until_scan = Vec::new();
         let has_truth = join.has_reference();
-        let is_scan = |entry: &Entry| matches!(entry.what, What::Scan(_));
         let mut ahead: Vec<Entry> = Vec::new();
         let (mut seen_scan, mut seen_truth) = (false, !has_truth);
         while !(seen_scan && seen_truth) && ahead.len() < LOOK_AHEAD {
             let Some(entry) = join.next_entry()? else { break };
             let entry = selected(entry, options.scans, &mut number_of_scans);
-            seen_scan |= is_scan(&entry);
+            seen_scan |= entry.has_scan();
             seen_truth |= entry.truth().is_some();
             if seen_scan { ahead.push(entry) } else { remember(&mut until_scan, entry) }
         }
@@ -131,7 +130,7 @@ pub fn laser_log(path: &Path, ros: &RosOptions) -> Result<LaserLog> {
     while let Some(entry) = join.next_entry()? {
         entries.push(entry);
     }
-    if !entries.iter().any(|entry| matches!(entry.what, What::Scan(_))) {
+    if !entries.iter().any(Entry::has_scan) {
         return Err(join.no_scans());
     }
     Ok(LaserLog { path: path.to_owned(), entries, notes: join.notes() })
@@ -152,11 +151,11 @@ fn open_join(path: &Path, options: &RosOptions) -> Result<Join> {
 
 /// An entry as it is used: the odometry of a scan that is left out stays.
 fn selected(mut entry: Entry, scans: Scans, number: &mut usize) -> Entry {
-    if let What::Scan(scan) = &entry.what {
+    if entry.has_scan() {
         let taken = scans.takes(*number);
         *number += 1;
         if !taken {
-            entry.what = What::Odometry(scan.odometry);
+            entry.drop_scan();
         }
     }
     entry

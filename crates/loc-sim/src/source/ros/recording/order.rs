@@ -3,7 +3,7 @@
 use super::join::{Join, Waiting};
 use super::roles::ReferenceFrom;
 use crate::Error;
-use crate::source::laser_log::{Entry, What};
+use crate::source::laser_log::Entry;
 use crate::source::ros::messages::Stamp;
 use loc_core::Pose2;
 use loc_sensors::event::Measurement;
@@ -50,8 +50,7 @@ impl Join {
                 (_, Some(odometry)) if odometry <= until => {
                     self.given = odometry;
                     if let Some((_, pose)) = self.odometry.iter().find(|(s, _)| *s == odometry) {
-                        let what = What::Odometry(*pose);
-                        self.ready.push_back(Entry { stamp: odometry.seconds(), what });
+                        self.ready.push_back(Entry::of_odometry(odometry.seconds(), *pose));
                     }
                     while self.odometry.get(1).is_some_and(|(stamp, _)| *stamp <= odometry) {
                         self.odometry.pop_front();
@@ -75,8 +74,8 @@ impl Join {
         };
         match beside {
             Some(Ok(measured)) => {
-                let what = What::Measured(measured);
-                return self.ready.push_back(Entry { stamp: stamp.seconds(), what });
+                let entry = Entry::of_measurement(stamp.seconds(), measured);
+                return self.ready.push_back(entry);
             }
             Some(Err(error)) => return self.counts.unreadable(error.to_string()),
             None => {}
@@ -88,12 +87,12 @@ impl Join {
         let seconds = stamp.seconds();
         match what {
             Waiting::Truth(pose) => {
-                self.ready.push_back(Entry { stamp: seconds, what: What::Odometry(odometry) });
-                self.ready.push_back(Entry { stamp: seconds, what: What::Truth(pose) });
+                self.ready.push_back(Entry::of_odometry(seconds, odometry));
+                self.ready.push_back(Entry::of_truth(seconds, pose));
             }
             Waiting::Scan(scan) => match self.recorded(&scan, stamp, odometry) {
                 Ok(scan) => {
-                    self.ready.push_back(Entry { stamp: seconds, what: What::Scan(scan) });
+                    self.ready.push_back(Entry::of_scan(seconds, scan));
                 }
                 Err(error @ Error::NoTransform { .. }) => {
                     self.counts.without_transform += 1;

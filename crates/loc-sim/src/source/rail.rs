@@ -1,0 +1,211 @@
+//! A simulated vehicle on a rail (G3, G4).
+
+use super::{Setup, Source};
+use crate::Result;
+use crate::config::field;
+use crate::localizer::RailSettings;
+use loc_core::error::{finite, non_negative, positive};
+use loc_core::random::{ChaCha8Rng, stream};
+use loc_core::{Gaussian, Pose2};
+use loc_sensors::event::{Control, Event, Measurement, Payload, Truth};
+use nalgebra::{Matrix2, Vector2, Vector3};
+use rand_distr::{Distribution, StandardNormal};
+use serde::Deserialize;
+use std::collections::VecDeque;
+
+/// A vehicle in simulation: `x' = x + T v`, `v' = v + T (u + noise)`.
+#[derive(Debug)]
+pub struct SimulatedRail {
+    setup: Setup,
+    config: RailConfig,
+    state: Vector2<f64>,
+    step: usize,
+    world: ChaCha8Rng,
+    sensors: ChaCha8Rng,
+    waiting: VecDeque<Event>,
+}
+
+impl SimulatedRail {
+    /// A vehicle as configured.
+    ///
+    /// # Errors
+    /// Values out of range.
+    pub fn new(name: &str, config: &RailConfig, seed: u64) -> Result<Self> {
+        let belief = config.belief()?;
+        let mut state = belief.sample(&mut stream(seed, "start"));
+        state.x = config.true_position_m.unwrap_or(state.x);
+        state.y = config.true_speed_m_s.unwrap_or(state.y);
+        let mut rail = SimulatedRail {
+            setup: Setup {
+                name: name.into(),
+                start: 0.0,
+                end: config.steps as f64 * config.time_step_s,
+                start_belief: along_the_rail(&belief),
+                rail: Some(belief),
+                landmarks: Default::default(),
+                map: None,
+                lines: None,
+                has_laser: false,
+                kidnapped_at: None,
+            },
+            config: config.clone(),
+            state,
+            step: 0,
+            world: stream(seed, "world"),
+            sensors: stream(seed, "sensors"),
+            waiting: VecDeque::new(),
+        };
+        rail.report();
+        Ok(rail)
+    }
+
+    fn drive(&mut self) {
+        let dt = self.config.time_step_s;
+        let noise: f64 = StandardNormal.sample(&mut self.world);
+        let acceleration =
+            self.config.acceleration_m_s2 + self.config.acceleration_sigma_m_s2 * noise;
+        self.state =
+            Matrix2::new(1.0, dt, 0.0, 1.0) * self.state + Vector2::new(0.0, dt * acceleration);
+        self.step += 1;
+        self.report();
+    }
+
+    /// The control that holds from now on, what the sensors read, and the truth.
+    fn report(&mut self) {
+        let stamp = self.step as f64 * self.config.time_step_s;
+        let control = Control::Acceleration(self.config.acceleration_m_s2);
+        self.waiting.push_back(Event::now(stamp, Payload::Control(control)));
+        for (sensor, config) in self.config.sensors.iter().enumerate() {
+            let noise: f64 = StandardNormal.sample(&mut self.sensors);
+            let simulated = self.state.x + config.sigma_m * noise;
+            let position = match &config.readings {
+                // The belief at the start stands for what was known before the first step.
+                None => (self.step > 0).then_some(simulated),
+                Some(given) => given.iter().find(|(step, _)| *step == self.step).map(|(_, z)| *z),
+            };
+            if let Some(position) = position {
+                let measurement = Measurement::RailPosition { sensor, position };
+                self.waiting.push_back(Event::now(stamp, Payload::Measurement(measurement)));
+            }
+        }
+        let pose = Pose2::new(self.state.x, 0.0, 0.0);
+        let truth = Truth { pose, speed: Some(self.state.y) };
+        self.waiting.push_back(Event::now(stamp, Payload::Truth(truth)));
+    }
+}
+
+impl Source for SimulatedRail {
+    fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    fn next_event(&mut self) -> Result<Option<Event>> {
+        if self.waiting.is_empty() && self.step < self.config.steps {
+            self.drive();
+        }
+        Ok(self.waiting.pop_front())
+    }
+}
+
+/// The rail lies along x: the belief about the position there, certainty about the rest.
+fn along_the_rail(belief: &Gaussian<2>) -> Gaussian<3> {
+    let mut pose = Gaussian::certain(Vector3::new(belief.mean.x, 0.0, 0.0));
+    pose.covariance[(0, 0)] = belief.covariance[(0, 0)];
+    pose
+}
+
+// The configuration of a simulated vehicle on a rail (G3, G4).
+
+/// A vehicle that accelerates along a straight line; its state is (position, speed).
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RailConfig {
+    /// Duration of a step, T.
+    pub time_step_s: f64,
+    /// Number of steps.
+    pub steps: usize,
+    /// Commanded acceleration, u.
+    #[serde(default)]
+    pub acceleration_m_s2: f64,
+    /// Standard deviation of the acceleration about the command.
+    #[serde(default)]
+    pub acceleration_sigma_m_s2: f64,
+    /// Believed position at the start.
+    #[serde(default)]
+    pub position_m: f64,
+    /// Its standard deviation.
+    #[serde(default)]
+    pub position_sigma_m: f64,
+    /// Believed speed at the start.
+    #[serde(default)]
+    pub speed_m_s: f64,
+    /// Its standard deviation.
+    #[serde(default)]
+    pub speed_sigma_m_s: f64,
+    /// True position at the start; drawn from the belief where left out.
+    pub true_position_m: Option<f64>,
+    /// True speed at the start; drawn from the belief where left out.
+    pub true_speed_m_s: Option<f64>,
+    /// The position sensors.
+    pub sensors: Vec<RailSensorConfig>,
+}
+
+/// A sensor of the position.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RailSensorConfig {
+    /// Standard deviation of its readings.
+    pub sigma_m: f64,
+    /// Its readings, as pairs of step and position \[m\]; simulated at every step where left out.
+    pub readings: Option<Vec<(usize, f64)>>,
+}
+
+impl RailConfig {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
+    pub(crate) fn check(&self) -> Result<()> {
+        positive("rail.time_step_s", self.time_step_s)?;
+        if self.steps == 0 || self.steps > 100_000_000 {
+            return Err(field("rail.steps", "1 to 100000000", &self.steps.to_string()));
+        }
+        finite("rail.acceleration_m_s2", self.acceleration_m_s2)?;
+        non_negative("rail.acceleration_sigma_m_s2", self.acceleration_sigma_m_s2)?;
+        non_negative("rail.position_sigma_m", self.position_sigma_m)?;
+        non_negative("rail.speed_sigma_m_s", self.speed_sigma_m_s)?;
+        for value in [self.true_position_m, self.true_speed_m_s].into_iter().flatten() {
+            finite("rail.true_position_m, rail.true_speed_m_s", value)?;
+        }
+        for sensor in &self.sensors {
+            positive("rail.sensors.sigma_m", sensor.sigma_m)?;
+            for (step, position) in sensor.readings.iter().flatten() {
+                finite("rail.sensors.readings: position [m]", *position)?;
+                if *step > self.steps {
+                    let expected = format!("steps from 0 to {}", self.steps);
+                    return Err(field("rail.sensors.readings", &expected, &step.to_string()));
+                }
+            }
+        }
+        self.belief()?;
+        Ok(())
+    }
+
+    /// The belief at the start.
+    ///
+    /// # Errors
+    /// [`loc_core::Error`] for numbers that are not finite.
+    pub(crate) fn belief(&self) -> Result<Gaussian<2>> {
+        let variances = Vector2::new(self.position_sigma_m.powi(2), self.speed_sigma_m_s.powi(2));
+        let mean = Vector2::new(self.position_m, self.speed_m_s);
+        Ok(Gaussian::new(mean, Matrix2::from_diagonal(&variances))?)
+    }
+
+    /// What the filter is told.
+    pub(crate) fn settings(&self) -> RailSettings {
+        RailSettings {
+            acceleration_sigma: self.acceleration_sigma_m_s2,
+            sensor_sigmas: self.sensors.iter().map(|sensor| sensor.sigma_m).collect(),
+        }
+    }
+}
