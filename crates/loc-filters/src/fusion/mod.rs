@@ -189,8 +189,8 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<Recorded<F, STATES>> {
         self.filter.input("mark", stamp, Input::Mark).map(|_| ())
     }
 
-    /// The smoothed belief at each mark, in the order of their times: what all that came before and
-    /// after says, late inputs included.
+    /// The smoothed belief at each mark, in the order of their times: from all inputs
+    /// before and after, late ones included.
     ///
     /// # Errors
     /// Those of [`Smoother::smooth`](crate::smoother::Smoother::smooth).

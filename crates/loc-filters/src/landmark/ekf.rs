@@ -263,7 +263,7 @@ impl MeasurementModel<3, 1> for BearingModel {
 pub struct Outcome {
     /// The number that was read off the landmark.
     pub landmark: u32,
-    /// Whether and why it was believed.
+    /// What was done with it, and why.
     pub verdict: Verdict,
 }
 

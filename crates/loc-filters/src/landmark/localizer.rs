@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Landmark localization over stamped inputs, in order or late.
 ///
-/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
+/// A velocity holds from its stamp until the next one. Observations may arrive between velocities,
 /// several at one stamp, up to the settings' `horizon` late, or not at all.
 ///
 /// With the extended Kalman filter, unless another one is named.
@@ -244,7 +244,7 @@ impl<F: NonlinearFilter<3>> LandmarkSmoother<F> {
         self.past().smooth_marked()
     }
 
-    /// What the filter believed at each mark.
+    /// The filtered belief at each mark.
     pub fn filtered(&self) -> Vec<Gaussian<3>> {
         self.past().filtered_marked()
     }

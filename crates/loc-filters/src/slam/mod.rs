@@ -7,7 +7,7 @@
 //!
 //! * [`LinearSlam`] is the simplest case, a robot that moves without turning (I1);
 //! * [`EkfSlam`] has a heading, sees distance and direction, and can do without numbers on the
-//!   landmarks (I2 to I4). [`SlamLocalizer`] around it takes stamped inputs as they come.
+//!   landmarks (I2 to I4). [`SlamLocalizer`] around it takes stamped inputs, in order or late.
 //!
 //! ```
 //! use loc_core::{Gaussian, Pose2, Twist2};
@@ -42,7 +42,7 @@ use loc_sensors::landmark_camera::LandmarkObservation;
 
 /// SLAM over stamped inputs, in order or late.
 ///
-/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
+/// A velocity holds from its stamp until the next one. Observations may arrive between velocities,
 /// several at one stamp, up to a horizon late, or not at all. For late ones the filter is kept as
 /// it was before every input within the horizon; each that was corrected since has a covariance of
 /// its own, so that a map of thousands of landmarks goes with a horizon of 0.
