@@ -1,7 +1,7 @@
 //! Joint compatibility by branch and bound, JCBB (Neira and Tardos 2001).
 //!
 //! A hypothesis gives each observation a landmark or none. It is extended one observation at a time, and
-//! abandoned when its pairs do not fit together, or when it cannot come to more pairs than the
+//! abandoned when its pairs do not fit together, or when it cannot reach more pairs than the
 //! best one so far. Whether pairs fit together is a chi-square test on their joint innovation,
 //! whose covariance is factorised row by row as the hypothesis grows.
 

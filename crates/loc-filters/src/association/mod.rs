@@ -85,7 +85,7 @@ pub trait Pairing<const M: usize> {
 
     /// Covariance between the innovations of two pairs (observation, landmark) of different
     /// observations, `H_a P H_b^T`, M x M. Zero unless both depend on the same unknown, such as the
-    /// robot's pose; a particle filter, which knows the pose of each particle, leaves it at zero.
+    /// robot's pose; a particle filter, in which each particle has a certain pose, leaves it at zero.
     fn cross_covariance(&self, _a: (usize, usize), _b: (usize, usize)) -> SMatrix<f64, M, M> {
         SMatrix::zeros()
     }
@@ -197,7 +197,7 @@ pub struct AssociationSettings {
     pub rule: Rule,
     /// Share of right pairs (and of right sets of pairs) that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
-    /// A pair is believed only if the best set of pairs without it is that many times less likely;
+    /// A pair is accepted only if the best set of pairs without it is that many times less likely;
     /// 1 to believe the likelier one, however little. An observation that two landmarks explain about
     /// equally well is better left out than given to the wrong one.
     pub min_ratio: f64,

@@ -211,7 +211,7 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
     fn odometry(&mut self, stamp: f64, twist: &Twist2) -> Result<Outcome> {
         let period = self.wheels.beat(stamp);
         self.walk(true, true)?;
-        // Nothing but an inertial unit knows better than the wheels how the robot moves.
+        // Only an inertial unit measures the motion better than the wheels.
         let better_known = self.inertial.holds(self.stamp);
         let gate = if better_known { self.gate } else { Gate::OPEN };
         let moves = if better_known { self.expected_twist() } else { *twist };

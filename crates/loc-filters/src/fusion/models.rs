@@ -47,7 +47,7 @@ impl MeasurementModel<STATES, 2> for WheelModel {
     }
 }
 
-/// The gyroscope: `omega + b_g`; and the accelerometer that points left, which in a curve feels
+/// The gyroscope: `omega + b_g`; and the accelerometer that points left, which in a curve measures
 /// `v omega + b_l`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InertialModel {
@@ -257,7 +257,7 @@ impl MeasurementModel<STATES, 1> for DirectionModel {
 /// A drive of some time on an arc (E2), at the speed that accelerometer and state give.
 ///
 /// `v' = v + (a - b_a) T`, the pose moves at the mean of v and v', biases stay, the satellite
-/// receiver's drift forgets itself. What the speed and the turn rate do beside, `RandomWalk` adds.
+/// receiver's drift decays. The random walk of speed and turn rate is added by `RandomWalk`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FusedMotion {
     /// How long it lasts \[s\].

@@ -63,7 +63,7 @@ impl LineGrid {
         (0..self.probabilities.len()).map(|k| self.center(k))
     }
 
-    /// The robot drives `way` \[m\], backwards if negative, with a normal error of standard
+    /// The robot drives `distance` \[m\], backwards if negative, with a normal error of standard
     /// deviation `sigma` \[m\]. Returns the probability with which it would have driven through an
     /// end of the corridor; that is ruled out.
     ///
@@ -71,8 +71,8 @@ impl LineGrid {
     /// [`loc_core::Error::OutOfRange`] for numbers that are not finite, and
     /// [`loc_core::Error::ImpossibleEvidence`] where the robot would surely have left; the belief
     /// is kept then.
-    pub fn predict(&mut self, way: f64, sigma: f64) -> Result<f64> {
-        let kernel = Kernel::new(way / self.cell, sigma / self.cell)?;
+    pub fn predict(&mut self, distance: f64, sigma: f64) -> Result<f64> {
+        let kernel = Kernel::new(distance / self.cell, sigma / self.cell)?;
         let mut after = vec![0.0; self.probabilities.len()];
         kernel.spread(&self.probabilities, &mut after, 0);
         let stayed = normalize(&mut after, "motion within the corridor")?;

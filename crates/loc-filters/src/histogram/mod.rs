@@ -1,6 +1,6 @@
 //! Markov localization: the probability of every place, kept as a histogram (F5, K1).
 //!
-//! A Kalman filter knows one place and how uncertain it is. A histogram filter divides all the
+//! A Kalman filter has one estimate and its covariance. A histogram filter divides all the
 //! places where the robot can be into cells and keeps a probability for each of them. So it can
 //! believe in several places at once, needs no start, and recovers when it was wrong. What it does
 //! is Bayes' rule, over and over: a motion carries the probabilities along and blurs them

@@ -5,10 +5,10 @@
 //! multiplies each place by how similar it is to the scans that were taken there
 //! ([`PlaceViews`]), whatever the robot's heading.
 //!
-//! On the way the place is a Markov chain in continuous way: from a place i the robot goes on to a
+//! Along the path the place is a Markov chain, continuous in the distance travelled: from a place i the robot goes on to a
 //! neighbour j at the rate 1 / (n_i l_ij) per metre, for n_i neighbours at distances l_ij. It stays
 //! in a place for about as long as its ways are, and all neighbours are as likely if they are
-//! equally far. After the way w, P' = P exp(Q w), which is summed up as the mean of powers of a
+//! equally far. After the distance w, P' = P exp(Q w), which is summed up as the mean of powers of a
 //! matrix over a Poisson distribution (uniformization, Jensen 1953).
 //!
 //! ```
@@ -30,7 +30,7 @@
 //! // Out of the kitchen at 1/4 per metre, and back as often.
 //! let flow = 0.5 * (1.0 - (-2.0 * 2.0 / 4.0_f64).exp());
 //! assert!((filter.belief()[1] - (0.1 + 0.7 * flow)).abs() < 1e-9);
-//! assert!((filter.belief()[2] - 0.1).abs() < 1e-9); // Nobody gets there.
+//! assert!((filter.belief()[2] - 0.1).abs() < 1e-9); // Not reachable.
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -47,7 +47,7 @@ const NEAREST: f64 = 0.2;
 /// What is left of the Poisson distribution when the sum ends.
 const TAIL: f64 = 1e-12;
 
-/// Expected jumps after which the chain has long come to rest.
+/// Number of expected jumps after which the chain is stationary.
 const MAX_JUMPS: f64 = 1e4;
 
 /// The probability of each place of a map.
@@ -110,10 +110,10 @@ impl TopologicalFilter {
         Ok(())
     }
 
-    /// The robot has driven this far \[m\], along whatever way.
+    /// Prediction over a distance travelled \[m\], on any path.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for a way that is negative or not finite.
+    /// [`loc_core::Error::OutOfRange`] for a distance that is negative or not finite.
     pub fn predict(&mut self, way: f64) -> Result<()> {
         non_negative("way [m]", way)?;
         let leaving = |rates: &Vec<(usize, f64)>| rates.iter().map(|(_, rate)| rate).sum();
@@ -188,7 +188,7 @@ type ScanFeatures = [f64; COUNT];
 /// Shares of the beams that are shorter than the ranges that are looked at.
 const SHARES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
-/// Looks of a place lie on curves and in lumps, which are narrower than a normal distribution of
+/// The scan features of a place lie on curves and in clusters, which are narrower than a normal distribution of
 /// the same variance: share of the width by the rule of Scott.
 const NARROWER: f64 = 0.5;
 

@@ -1,6 +1,6 @@
 //! Localization with landmarks whose positions are known (H2).
 //!
-//! Odometry carries the pose on, each observation of a landmark pulls it back. [`LandmarkEkf`] is the
+//! Odometry predicts the pose, each observation of a landmark corrects it. [`LandmarkEkf`] is the
 //! filter of the lecture page, one prediction or correction at a time; [`LandmarkLocalizer`]
 //! around it takes time-stamped velocities and observations.
 //!

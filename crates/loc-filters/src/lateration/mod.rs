@@ -227,7 +227,7 @@ pub struct Fix<const D: usize> {
     pub bias: RangeBias,
     /// Standard deviations of scale and offset \[m\]; 0 for what was known.
     pub bias_sigmas: [f64; 2],
-    /// The sum that was minimised. For [`Cost::Distances`](Cost::Distances) without outliers
+    /// The sum that was minimised. For [`Cost::Distances`] without outliers
     /// it is chi-square distributed, with as many degrees of freedom as ranges are left over.
     pub cost: f64,
     /// `sum (|x - l_i|^2 - d_i^2)^2` there \[m^4\], the SSE of D2.
@@ -247,7 +247,7 @@ impl<const D: usize> Fix<D> {
     }
 }
 
-/// The answer of [`locate`](locate): the best place, and what speaks against it.
+/// The answer of [`locate`]: the best place, and what speaks against it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution<const D: usize> {
     /// The place that fits best; of two that fit alike, the one nearer to the start.

@@ -322,13 +322,13 @@ struct Attempt<F> {
     fits: Option<bool>,
 }
 
-/// Whether line matching still knows where the robot is.
+/// Whether the scans fit the belief.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tracking {
     /// The last scan that had lines fits the map.
     #[default]
     Sure,
-    /// This many scans in a row do not fit; the belief is carried on by odometry and by the few
+    /// This many scans in a row do not fit; the belief is predicted by odometry and by the few
     /// lines that do.
     Doubtful(usize),
     /// So many do not fit that the robot is most likely elsewhere (delocalized). The filter goes on, but
@@ -362,7 +362,7 @@ pub struct LinePair {
     /// Index among the predicted lines.
     pub predicted: usize,
     /// Residual of (r, alpha) and its covariance, as the belief that earlier pairs had left has
-    /// them. It is accepted unless the whole scan was turned away.
+    /// them. It is accepted unless the whole scan was rejected.
     pub innovation: Innovation<2>,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Indoors a scan is mostly straight walls. Each is two numbers that are known very well: its
 //! distance r from the scanner, and the direction alpha of its normal
-//! ([`loc_sensors::features`]). From where the robot believes to be, the map predicts which walls
+//! ([`loc_sensors::features`]). At the estimated pose the map predicts which walls
 //! it should see, and where ([`LineEkf::predicted`]). A line of the scan and a predicted one that lie
 //! beside each other, and are no farther apart than both are uncertain, are the same wall; each
 //! such pair pulls the pose into place. Lines without a partner, of things that the map does not

@@ -204,7 +204,7 @@ impl MeasurementModel<STATES, 2> for OfPose {
     }
 }
 
-/// A position that is known this well looks the same from all places where it may be \[m\].
+/// Standard deviation of the position up to which one viewpoint suffices \[m\].
 const WELL_KNOWN: f64 = 0.1;
 
 /// What a scanner can see: an angle, about a direction of its own, and a distance.

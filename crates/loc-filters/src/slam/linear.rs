@@ -171,12 +171,12 @@ impl LinearSlam {
         Ok(None)
     }
 
-    /// What the filter believes about the robot's position \[m\].
+    /// The belief about the robot's position \[m\].
     pub fn robot(&self) -> Gaussian<2> {
         Gaussian { mean: *self.state.robot(), covariance: *self.state.robot_covariance() }
     }
 
-    /// What it believes about the landmark with a number \[m\].
+    /// The belief about the landmark with a number \[m\].
     pub fn landmark(&self, id: u32) -> Option<Gaussian<2>> {
         self.numbers.get(&id).map(|&index| self.describe(index))
     }

@@ -7,7 +7,7 @@
 //!
 //! * [`LinearSlam`] is the simplest case, a robot that moves without turning (I1);
 //! * [`EkfSlam`] has a heading, sees distance and direction, and can do without numbers on the
-//!   landmarks (I2 to I4). [`SlamLocalizer`] around it takes stamped inputs as they come.
+//!   landmarks (I2 to I4). [`SlamLocalizer`] around it takes stamped inputs, in order or late.
 //!
 //! ```
 //! use loc_core::{Gaussian, Pose2, Twist2};

@@ -57,7 +57,7 @@ struct Node<const N: usize> {
     filtered: Gaussian<N>,
     /// How it was reached; `None` at the start.
     step: Option<Step<N>>,
-    /// How often its belief is asked for.
+    /// Number of marks.
     marks: usize,
 }
 
@@ -131,7 +131,7 @@ impl<const N: usize> Smoother<N> {
         std::iter::once(&self.now).chain(self.past.backwards())
     }
 
-    /// What the filter believed at each mark, after the corrections of the moment.
+    /// The filtered belief at each mark, after the corrections of the moment.
     pub fn filtered_marked(&self) -> Vec<Gaussian<N>> {
         let mut marked: Vec<Gaussian<N>> = Vec::new();
         for node in self.backwards() {
@@ -221,7 +221,7 @@ impl<const N: usize> Smoother<N> {
     }
 }
 
-/// A filter that [`Recorded`](Recorded) can keep the past of.
+/// A filter that [`Recorded`] can keep the past of.
 pub trait Recordable<const N: usize> {
     /// The current belief.
     fn belief(&self) -> &Gaussian<N>;

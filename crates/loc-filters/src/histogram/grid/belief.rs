@@ -45,7 +45,7 @@ impl Belief {
         self.window.as_ref().map_or(0.0, |window| window.stack().total())
     }
 
-    /// Takes along a step. Of all that is believed, the share of faults moves as by an odometry
+    /// Prediction over a step. Of the whole belief, the share of faults moves as by an odometry
     /// that has failed, in the coarse grid. What would be in walls afterwards is ruled out. At the
     /// end the robot is anywhere with the probability of a kidnapping.
     pub(super) fn predict(
@@ -225,7 +225,7 @@ impl Belief {
         Ok(())
     }
 
-    /// Lets the fine grid take over what the coarse one has within its reach, after a correction
+    /// Moves what the coarse grid has within the reach of the fine one into that, after a correction
     /// with `scan`; moves it to another place where that is more likely.
     pub(super) fn focus(
         &mut self,

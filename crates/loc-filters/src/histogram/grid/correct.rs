@@ -404,7 +404,7 @@ impl Scan {
         })
     }
 
-    /// The ends for a robot that looks along `heading` \[rad\] of the grid, in cells from the
+    /// The ends for a robot with the heading `heading` \[rad\] in the grid, in cells from the
     /// robot.
     pub(super) fn turned(&self, heading: f64) -> Vec<[f64; 2]> {
         let (sin, cos) = heading.sin_cos();

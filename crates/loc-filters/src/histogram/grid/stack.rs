@@ -22,7 +22,7 @@ pub(super) struct Extent {
     pub(super) columns: Range<usize>,
 }
 
-/// A probability for every heading, row and column. It remembers for each heading where there is
+/// A probability for every heading, row and column. It stores for each heading where there is
 /// anything but 0, so that a belief in a few places costs little.
 #[derive(Debug, Clone)]
 pub(super) struct Stack {
@@ -133,7 +133,7 @@ impl Stack {
         self.cells().map(|(_, _, mass)| mass).sum()
     }
 
-    /// Empties all cells, and forgets where there was anything.
+    /// Sets all cells and extents to empty.
     pub(super) fn clear(&mut self) {
         self.change(|_, _, _| 0.0);
         self.extents.fill(Extent::default());

@@ -154,7 +154,7 @@ impl Window {
         Ok(())
     }
 
-    /// Takes over the probabilities of cells of the coarse grid, and shares each out among the fine
+    /// Moves the probabilities of cells here of the coarse grid, and shares each out among the fine
     /// cells in it, in proportion to `weight` of their layer and place. Returns the coarse cells
     /// that have none here.
     pub(super) fn absorb(
@@ -236,11 +236,11 @@ impl Step {
         Step { variances, tail: FAULTY_TAIL, ..usual }
     }
 
-    /// How a layer moves in which the robot looks along `heading` \[rad\] of the lattice, while the
+    /// How a layer moves in which the robot has the heading `heading` \[rad\] of the lattice, while the
     /// lattice itself moves by `drift` \[m\].
     ///
-    /// The heading is anything within its layer, and on the average over the way off by half of
-    /// what it is off at the end: both blur across the way. Kernels work along columns and rows,
+    /// The heading is anything within its layer, and its mean error over the motion is half of
+    /// that at the end: both blur across the motion. Kernels work along columns and rows,
     /// so the correlation of the errors of x and y is left out.
     pub(super) fn layer_move(&self, lattice: &Lattice, heading: f64, drift: [f64; 2]) -> LayerMove {
         let (sin, cos) = heading.sin_cos();

@@ -189,7 +189,7 @@ impl SlidingLateration {
         Ok(outcomes)
     }
 
-    /// The belief at a time \[s\], the last fix carried on; `None` before the first fix.
+    /// The belief at a time \[s\], predicted from the last fix; `None` before the first fix.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite.
@@ -221,8 +221,8 @@ impl SlidingLateration {
         belief
     }
 
-    /// A distance as seen from a later time, to which the robot has come by `travelled`; `next` is how
-    /// far it had come at the distance after it.
+    /// A distance carried to the time `now`, with the motion `travelled` up to then; `next` is the motion
+    /// up to the distance after it.
     fn carried(
         &self,
         received: &BufferedRange,
@@ -247,7 +247,7 @@ impl SlidingLateration {
         let heading = noise.k_drift * distance_since + noise.k_theta * turned;
         let mut own_sigma = self.settings.range_noise.range_sigma_at(received.distance);
         let mut variance = own_sigma * own_sigma;
-        // The mean of a heading error that grows evenly, over a straight way.
+        // The mean of a heading error that grows evenly, over a straight path.
         variance += noise.k_d * distance_since + heading * antenna.norm_squared() / 3.0;
         if !self.settings.odometry {
             variance += (self.settings.walk * (now - received.stamp)).powi(2);

@@ -258,7 +258,7 @@ impl Track {
         belief
     }
 
-    /// Forgets velocities that no time from `stamp` \[s\] on needs.
+    /// Drops velocities that no time from `stamp` \[s\] on needs.
     pub(super) fn forget_before(&mut self, stamp: f64) {
         while self.segments.get(1).is_some_and(|second| second.stamp <= stamp) {
             self.segments.pop_front();

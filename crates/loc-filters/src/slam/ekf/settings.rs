@@ -45,7 +45,7 @@ pub struct MapSettings {
     /// The map takes no more landmarks than this; its covariance has twice the square of it in
     /// numbers.
     pub max_landmarks: usize,
-    /// A landmark is provisional until its score has come to this. It begins with 1, an observation
+    /// A landmark is provisional until its score reaches this. It begins with 1, an observation
     /// adds 1, one that contradicts it takes its cost away; a landmark whose score is no longer above 0
     /// is removed.
     pub confirm_score: f64,

@@ -204,7 +204,7 @@ impl<const R: usize> Corrected<R> {
         }
     }
 
-    /// Carries the covariance to the corrected estimate. The robot's numbers begin with its
+    /// Transforms the covariance to the corrected estimate. The robot's numbers begin with its
     /// position; `heading` is the index of its heading.
     pub(super) fn turn(&mut self, before: &SVector<f64, R>, old: &[f64], heading: usize) {
         let angle = self.robot[heading] - before[heading];

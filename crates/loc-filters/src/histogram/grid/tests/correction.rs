@@ -117,7 +117,7 @@ fn nothing_is_lost_on_the_way() {
             belief.focus(&correction, &scan, sensor, space, settings).unwrap();
             assert_relative_eq!(total(&belief), 1.0, epsilon = 1e-9);
             if step == 0 {
-                // The fine grid takes over without changing what is believed.
+                // The fine grid is filled without changing the belief.
                 let off = variation(&probabilities(&belief, space), &before);
                 assert!(off < 1e-3, "seed {seed}: {off}");
             }
