@@ -43,7 +43,8 @@ fn resampling(c: &mut Criterion) {
     for particles in [2000, 10_000, 100_000] {
         group.throughput(Throughput::Elements(particles as u64));
         let (cloud, mut rng) = (cloud(particles), stream(1, "filter"));
-        let (mut wheel, mut indices, mut drawn) = (CumulativeWeights::new(), Vec::new(), Particles::new());
+        let (mut wheel, mut indices, mut drawn) =
+            (CumulativeWeights::new(), Vec::new(), Particles::new());
         for scheme in Resampling::ALL {
             let name = format!("{scheme:?}").to_lowercase();
             group.bench_function(BenchmarkId::new(name, particles), |b| {
@@ -70,7 +71,8 @@ fn kld(c: &mut Criterion) {
     let cloud = Particles::from_gaussian(&belief, 10_000, &mut rng);
     let settings = KldSettings { max_particles: 10_000, ..Default::default() };
     let mut kld = Kld::new(settings).expect("valid");
-    let (mut wheel, mut indices, mut drawn) = (CumulativeWeights::new(), Vec::new(), Particles::new());
+    let (mut wheel, mut indices, mut drawn) =
+        (CumulativeWeights::new(), Vec::new(), Particles::new());
     c.bench_function("kld-resampling/tracking/10000", |b| {
         b.iter(|| {
             wheel.set(black_box(&cloud).log_weights());

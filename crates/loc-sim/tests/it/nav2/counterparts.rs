@@ -7,8 +7,8 @@ use loc_maps::likelihood_field::UnknownSpace;
 use loc_pf::adaptive::KldCertainty;
 use loc_pf::mcl::{FieldSettings, MotionSettings, SensorSettings, Weighting};
 use loc_pf::motion::OmnidirectionalNoise;
-use loc_pf::resample::ResampleWhen;
 use loc_pf::recovery::AugmentedSettings;
+use loc_pf::resample::ResampleWhen;
 use loc_pf::sensor::{BeamModelSettings, BeamSkip};
 use loc_pf::{MclSettings, ResamplePolicy};
 
