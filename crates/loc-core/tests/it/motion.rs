@@ -359,7 +359,7 @@ fn cutting_a_way_changes_little() {
 #[test]
 fn bad_noise_is_named() {
     for (noise, message) in [
-        (PathNoise { along: -1.0, ..PathNoise::default() }, "noise along the way"),
+        (PathNoise { along: -1.0, ..PathNoise::default() }, "noise along the path"),
         (PathNoise { turn: f64::NAN, ..PathNoise::default() }, "noise of turning"),
         (PathNoise { fault_probability: 1.5, ..PathNoise::default() }, "odometry fault"),
     ] {

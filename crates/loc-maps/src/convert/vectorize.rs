@@ -116,7 +116,7 @@ fn seeds(points: &PointMap, growth: &Growth) -> Vec<(usize, Vector2<f64>)> {
 
 /// The line through points with the smallest sum of squared distances: the middle, the direction,
 /// and the variance across it divided by that along it.
-pub(super) fn fit(points: &[Point2<f64>]) -> (Point2<f64>, Vector2<f64>, f64) {
+fn fit(points: &[Point2<f64>]) -> (Point2<f64>, Vector2<f64>, f64) {
     let count = points.len().max(1) as f64;
     let middle = points.iter().map(|point| point.coords).sum::<Vector2<f64>>() / count;
     let mut scatter = Matrix2::zeros();
@@ -136,11 +136,11 @@ const FITS: usize = 20;
 
 /// The settings, in metres and numbers of points.
 #[derive(Debug)]
-pub(super) struct Growth {
+struct Growth {
     /// Radius of the points that give a seed its first direction.
-    pub(super) around: f64,
+    around: f64,
     /// Minimum number of points there.
-    pub(super) few: usize,
+    few: usize,
     resolution: f64,
     tolerance: f64,
     max_gap: f64,
@@ -152,7 +152,7 @@ pub(super) struct Growth {
 type Axis = (Point2<f64>, Vector2<f64>);
 
 impl Growth {
-    pub(super) fn new(resolution: f64, settings: &VectorizeSettings) -> Growth {
+    fn new(resolution: f64, settings: &VectorizeSettings) -> Growth {
         Growth {
             around: 5.0 * resolution,
             few: 5,
@@ -178,7 +178,7 @@ impl Growth {
 }
 
 /// Grows a line from a point; marks the points it takes, or the seed where there is no line.
-pub(super) fn grow(
+fn grow(
     points: &PointMap,
     growth: &Growth,
     seed: usize,

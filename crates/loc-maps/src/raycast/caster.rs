@@ -130,20 +130,20 @@ impl RangeWorld for RayCaster {
 }
 
 /// How many cells one reading holds, wherever it begins.
-pub(super) const WINDOW: usize = 57;
+const WINDOW: usize = 57;
 
 /// Lines in a group.
-pub(super) const GROUP: usize = 4;
+const GROUP: usize = 4;
 
 /// Cells of wall before the first cell of a line: no reading backwards reaches below them.
-pub(super) const MARGIN: usize = 64;
+const MARGIN: usize = 64;
 
 /// Lines of bits, the rows of a grid or its columns, with a wall all round.
 ///
 /// With the wall the search needs no test of whether the ray has left the grid: it is
 /// [`MARGIN`] cells deep before and after every line, and one group of lines below and above.
 #[derive(Debug, Clone)]
-pub(super) struct BitLines {
+struct BitLines {
     /// The lines, and the union of the lines of each group.
     lines: Vec<u8>,
     groups: Vec<u8>,
@@ -153,12 +153,12 @@ pub(super) struct BitLines {
 
 impl BitLines {
     /// The rows of a grid.
-    pub(super) fn rows(grid: &OccupancyGrid) -> Self {
+    fn rows(grid: &OccupancyGrid) -> Self {
         BitLines::new(grid, grid.width(), grid.height(), |cell| (cell.column, cell.row))
     }
 
     /// The columns of a grid.
-    pub(super) fn columns(grid: &OccupancyGrid) -> Self {
+    fn columns(grid: &OccupancyGrid) -> Self {
         BitLines::new(grid, grid.height(), grid.width(), |cell| (cell.row, cell.column))
     }
 
@@ -187,19 +187,19 @@ impl BitLines {
         BitLines { lines, groups, stride }
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         self.lines.len() + self.groups.len()
     }
 
     /// The cells of a line from `from` on, at least [`WINDOW`] of them, from the lowest bit up.
     #[inline(always)]
-    pub(super) fn line(&self, line: usize, from: usize) -> u64 {
+    fn line(&self, line: usize, from: usize) -> u64 {
         read(&self.lines, line * self.stride, from)
     }
 
     /// The same of a group of lines together.
     #[inline(always)]
-    pub(super) fn group(&self, group: usize, from: usize) -> u64 {
+    fn group(&self, group: usize, from: usize) -> u64 {
         read(&self.groups, group * self.stride, from)
     }
 }
@@ -217,24 +217,24 @@ fn read(bytes: &[u8], line: usize, from: usize) -> u64 {
 /// Positions along the lines are whole numbers with `fraction_bits` binary places, so that the
 /// cells of a group of lines are exactly those of its lines.
 #[derive(Debug)]
-pub(super) struct Search<'a> {
-    pub(super) lines: &'a BitLines,
+struct Search<'a> {
+    lines: &'a BitLines,
     /// The line that the ray starts in, and the cell there.
-    pub(super) line: usize,
-    pub(super) cell: usize,
+    line: usize,
+    cell: usize,
     /// How many lines it crosses at most.
-    pub(super) crossed: usize,
-    pub(super) upward: bool,
+    crossed: usize,
+    upward: bool,
     /// Where it leaves the first line, and how far it runs in each line.
-    pub(super) leaving: i64,
-    pub(super) run: i64,
-    pub(super) fraction_bits: u32,
+    leaving: i64,
+    run: i64,
+    fraction_bits: u32,
 }
 
 impl Search<'_> {
     /// The line and the cell in it that the ray meets first; `None` where it ends before.
     #[inline(always)]
-    pub(super) fn first_hit(&self) -> Option<(usize, usize)> {
+    fn first_hit(&self) -> Option<(usize, usize)> {
         // A reading holds the cells of a group, of a line, or only a part of them.
         let run = (self.run.unsigned_abs() >> self.fraction_bits) as usize;
         match (self.run >= 0, run) {

@@ -62,20 +62,20 @@ const ROOM: [f64; 2] = [3.0, 6.5];
 const OPEN_PLAN: [f64; 2] = [8.0, 14.0];
 
 /// A floor; everything is in metres, and everything named here is free of walls.
-pub(super) struct Plan {
-    pub(super) rooms: Vec<Room>,
-    pub(super) corridors: Vec<Bounds>,
+struct Plan {
+    rooms: Vec<Room>,
+    corridors: Vec<Bounds>,
     /// The openings in the walls.
-    pub(super) doors: Vec<Bounds>,
+    doors: Vec<Bounds>,
     /// Where the door plates hang.
-    pub(super) plates: Vec<Point2<f64>>,
+    plates: Vec<Point2<f64>>,
     wall: f64,
 }
 
 /// A room, and what furniture must leave clear in it.
-pub(super) struct Room {
-    pub(super) inside: Bounds,
-    pub(super) clear: Vec<Bounds>,
+struct Room {
+    inside: Bounds,
+    clear: Vec<Bounds>,
 }
 
 /// On which side of a row of rooms the corridor runs.
@@ -88,7 +88,7 @@ enum Corridor {
 impl Plan {
     /// A plan that fills a box, which is at least as wide as high, with inner walls of thickness
     /// `wall` \[m\].
-    pub(super) fn new(floor: Bounds, wall: f64, rng: &mut impl Rng) -> Self {
+    fn new(floor: Bounds, wall: f64, rng: &mut impl Rng) -> Self {
         let (rooms, corridors, doors, plates) = Default::default();
         let mut plan = Plan { rooms, corridors, doors, plates, wall };
         let (x, [low, high]) = ([floor.min.x, floor.max.x], [floor.min.y, floor.max.y]);
@@ -218,13 +218,13 @@ const WITH_PILLARS: f64 = 35.0;
 
 /// A piece of furniture, seen from above.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Piece {
+struct Piece {
     bounds: Bounds,
     round: bool,
 }
 
 impl Piece {
-    pub(super) fn draw(&self, canvas: &mut Canvas) {
+    fn draw(&self, canvas: &mut Canvas) {
         if self.round {
             let radius = self.bounds.width() / 2.0;
             canvas.disc(self.bounds.center(), radius, Occupancy::Occupied);
@@ -244,7 +244,7 @@ impl Piece {
 ///
 /// A piece stands flush to a wall, in a corner, or at least [`GAP`] from each wall, and pieces are
 /// at least that far from each other, so no piece closes off a part of the room.
-pub(super) fn furnish(room: &Room, rng: &mut impl Rng) -> Vec<Piece> {
+fn furnish(room: &Room, rng: &mut impl Rng) -> Vec<Piece> {
     let area = room.inside.width() * room.inside.height();
     let mut pieces = Vec::new();
     for _ in 0..(area / 2.5) as usize {

@@ -107,7 +107,7 @@ impl Default for LineExtractor {
 
 /// Runs of beams without a gap: one ends where the next point is farther away than a wall could
 /// put it that the beam meets at the grazing angle (Borges and Aldon 2004).
-pub(super) fn runs(hits: &[Hit], settings: &LineExtractor, step: f64) -> Vec<Range<usize>> {
+fn runs(hits: &[Hit], settings: &LineExtractor, step: f64) -> Vec<Range<usize>> {
     let mut runs = Vec::new();
     let mut start = 0;
     for k in 1..=hits.len() {
@@ -131,7 +131,7 @@ fn is_break(a: &Hit, b: &Hit, settings: &LineExtractor, step: f64) -> bool {
 }
 
 /// Splits a run until each part is straight, or too short to be a wall.
-pub(super) fn split(
+fn split(
     hits: &[Hit],
     range: Range<usize>,
     settings: &LineExtractor,
@@ -153,7 +153,7 @@ pub(super) fn split(
 
 /// Whether the points scatter about a line no more than their noise and the wall's roughness
 /// explain.
-pub(super) fn is_straight(part: &[Hit], settings: &LineExtractor) -> bool {
+fn is_straight(part: &[Hit], settings: &LineExtractor) -> bool {
     fit(part).is_some_and(|line| is_on(part, &line, settings))
 }
 
@@ -171,7 +171,7 @@ fn is_on(part: &[Hit], line: &Line, settings: &LineExtractor) -> bool {
 }
 
 /// Square of a point's distance from a line in standard deviations.
-pub(super) fn deviation_squared(hit: &Hit, line: &Line) -> f64 {
+fn deviation_squared(hit: &Hit, line: &Line) -> f64 {
     line.distance(&hit.point).powi(2) / hit.variance(line.alpha)
 }
 
@@ -184,11 +184,7 @@ fn farthest_from_chord(part: &[Hit]) -> usize {
 }
 
 /// Makes walls of the straight parts of a scan, each a list of hits in the order of the beams.
-pub(super) fn assemble(
-    hits: &[Hit],
-    parts: &[Range<usize>],
-    settings: &LineExtractor,
-) -> Vec<Vec<Hit>> {
+fn assemble(hits: &[Hit], parts: &[Range<usize>], settings: &LineExtractor) -> Vec<Vec<Hit>> {
     let (large, small): (Vec<_>, Vec<_>) =
         parts.iter().cloned().partition(|part| part.len() >= settings.min_points);
     let mut walls = merge(hits, &large, settings);
