@@ -193,7 +193,7 @@ impl Mcl {
     /// After a search without result: the next one is postponed, unless the robot is lost anyway.
     pub(super) fn postpone_search(&mut self) {
         let is_lost = self.monitor.probability() > 0.5;
-        self.belief.suspicion.iter_mut().for_each(|suspicion| suspicion.put_off(is_lost));
+        self.belief.suspicion.iter_mut().for_each(|suspicion| suspicion.postpone(is_lost));
     }
 }
 
