@@ -182,8 +182,8 @@ impl Particles {
         (self.x[index], self.y[index], self.theta[index]) = (pose.x, pose.y, pose.theta);
     }
 
-    /// Replaces particles evenly spread over the set by `others`, which get the mean weight; at most
-    /// all of them.
+    /// Replaces particles evenly spread over the set by `others`, which get the mean weight; at
+    /// most all of them.
     pub fn replace_evenly(&mut self, others: &[Pose2]) {
         let equal = -(self.len() as f64).ln();
         let count = others.len().min(self.len());
@@ -240,7 +240,8 @@ impl Particles {
         (poses, &mut self.log_weight)
     }
 
-    /// Replaces all particles by the given poses with the given log weights, of which there are as many.
+    /// Replaces all particles by the given poses with the given log weights, of which there are as
+    /// many.
     pub(crate) fn refill(
         &mut self,
         poses: impl Iterator<Item = Pose2> + Clone,
@@ -282,16 +283,16 @@ impl Particles {
     /// Makes the weights add up to 1 and returns the logarithm of what they added up to before:
     /// after [`weigh`](crate::ParticleFilter::weigh), the logarithm of the mean likelihood.
     ///
-    /// Weights that are all 0, or infinite, become equal, and the result is -inf. A single weight that
-    /// is not a number becomes 0.
+    /// Weights that are all 0, or infinite, become equal, and the result is -inf. A single weight
+    /// that is not a number becomes 0.
     pub fn normalize(&mut self) -> f64 {
         let workers = Workers::one();
         let mass = workers.add_up(self);
         workers.divide_by(self, &mass)
     }
 
-    /// How many particles of equal weight would carry as much information:
-    /// `(sum w)^2 / sum w^2`, between 1 and M; 0 where no weight is above 0.
+    /// How many particles of equal weight would carry as much information: `(sum w)^2 / sum w^2`,
+    /// between 1 and M; 0 where no weight is above 0.
     pub fn effective_sample_size(&self) -> f64 {
         Workers::one().add_up(self).effective_sample_size()
     }

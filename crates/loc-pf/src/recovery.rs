@@ -2,8 +2,8 @@
 //!
 //! A particle set that tracks one pose does not find another by itself. [`AugmentedMcl`] replaces a
 //! share of it by particles from the whole map when scans fit worse than before. [`Suspicion`] is
-//! more selective: a Bayes filter over two states, the robot at the particles or anywhere else, which
-//! requires a global search only when the second becomes likely.
+//! more selective: a Bayes filter over two states, the robot at the particles or anywhere else,
+//! which requires a global search only when the second becomes likely.
 //!
 //! ```
 //! use loc_pf::recovery::{AugmentedMcl, AugmentedSettings};
@@ -28,7 +28,8 @@ pub struct SuspicionSettings {
     pub alarm: f64,
     /// Share by which the usual evidence follows each update.
     pub adaptation: f64,
-    /// Volume of a pose candidate in the space of poses \[m^2 rad\]: about what a sharp scan leaves.
+    /// Volume of a pose candidate in the space of poses \[m^2 rad\]: about what a sharp scan
+    /// leaves.
     pub place: f64,
     /// Maximum number of updates between a search without result and the next.
     pub longest_pause: u32,
@@ -127,8 +128,9 @@ impl Suspicion {
         })
     }
 
-    /// Updates with a scan: `log_evidence` is the logarithm of its mean likelihood over the predicted
-    /// particles, as that of `beams` independent beams. Returns the probability of being elsewhere.
+    /// Updates with a scan: `log_evidence` is the logarithm of its mean likelihood over the
+    /// predicted particles, as that of `beams` independent beams. Returns the probability of being
+    /// elsewhere.
     pub fn update(&mut self, log_evidence: f64, beams: f64) -> f64 {
         self.waiting = self.waiting.saturating_sub(1);
         if beams <= 0.0 || log_evidence.is_nan() {
@@ -160,8 +162,8 @@ impl Suspicion {
         self.waiting == 0 && (doubtful || self.probability() >= self.settings.alarm)
     }
 
-    /// After a search without result: the log odds are reset, and the next search is postponed, each
-    /// time by twice as many updates. Where the robot is lost anyway, it is not postponed.
+    /// After a search without result: the log odds are reset, and the next search is postponed,
+    /// each time by twice as many updates. Where the robot is lost anyway, it is not postponed.
     pub fn postpone(&mut self, is_lost: bool) {
         self.log_odds = -MAX_LOG_ODDS;
         if is_lost {
@@ -235,8 +237,8 @@ impl AugmentedMcl {
         Ok(AugmentedMcl { settings, averages: None })
     }
 
-    /// Takes in `ln(mean likelihood of the particles)`; returns the share of the particle set to replace
-    /// by random particles, in \[0, 1\].
+    /// Updates with `ln(mean likelihood of the particles)`; returns the share of the particle set
+    /// to replace by random particles, in \[0, 1\].
     // ANCHOR: augmented
     pub fn update(&mut self, log_evidence: f64) -> f64 {
         if log_evidence.is_nan() {
@@ -252,7 +254,7 @@ impl AugmentedMcl {
     }
     // ANCHOR_END: augmented
 
-    /// Forgets the past, after the particle set was spread anew.
+    /// Resets the averages, after the particles were drawn anew.
     pub fn reset(&mut self) {
         self.averages = None;
     }

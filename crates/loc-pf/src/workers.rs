@@ -1,8 +1,8 @@
 //! Work on particles in parts, by one thread or several, with the same result.
 //!
-//! Particles are divided into parts of a fixed size, whatever the number of threads. Each part has a
-//! random stream of its own, and sums over the particles are those of the parts, added up in their
-//! order: which thread works on a part, and when, changes nothing.
+//! Particles are divided into parts of a fixed size, whatever the number of threads. Each part has
+//! a random stream of its own, and sums over the particles are those of the parts, added up in
+//! their order: which thread works on a part, and when, changes nothing.
 //!
 //! An idle thread goes to sleep after some microseconds, and waking it takes as many. An update of
 //! the filter is a dozen loops, some shorter than that: so the whole update runs in

@@ -13,8 +13,8 @@ use rand::Rng;
 /// Evidence of a scan for and against the reported pose; all numbers are shares in \[0, 1\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScanFit<'a> {
-    /// The share of the scan that the map explains at the reported pose: 1 where every beam ends on an
-    /// obstacle, 0 where all end far from any, by the mean logarithm of their likelihoods.
+    /// The share of the scan that the map explains at the reported pose: 1 where every beam ends on
+    /// an obstacle, 0 where all end far from any, by the mean logarithm of their likelihoods.
     pub here: f64,
     /// The same at random poses of the free space.
     pub elsewhere: &'a [f64],

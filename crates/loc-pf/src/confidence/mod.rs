@@ -1,10 +1,10 @@
 //! The probability of being lost: that the robot is not at the estimated pose.
 //!
-//! A particle filter that converged to a wrong pose resembles one at the true pose: a compact particle
-//! set, a small covariance. The difference is in the scans, which the map around the reported pose
-//! does not explain. [`LostMonitor`] accumulates that evidence from update to update in one calibrated
-//! probability: of all updates with 0.3, the robot is lost in three of ten. "Lost" means farther than a stated distance or turn from the reported
-//! pose ([`Tolerance`]).
+//! A particle filter that converged to a wrong pose resembles one at the true pose: a compact
+//! particle set, a small covariance. The difference is in the scans, which the map around the
+//! reported pose does not explain. [`LostMonitor`] accumulates that evidence from update to update
+//! in one calibrated probability: of all updates with 0.3, the robot is lost in three of ten.
+//! "Lost" means farther than a stated distance or turn from the reported pose ([`Tolerance`]).
 //!
 //! There are two cases. The belief may be spread: then its own share near the reported pose
 //! ([`Tolerance::support`]) gives the probability. Or the whole belief may be wrong, which only the
@@ -13,25 +13,24 @@
 //! `bias - margin_weight m + blocked_weight ln(1 + b / 0.02) + near_weight ln(1 + n / 0.02)`.
 //!
 //! `m` is how much better the map explains the scan at the reported pose than at the best of some
-//! random poses: in a repetitive building a good fit is weak evidence. `b` is the
-//! share of beams that end behind a wall of the map, the strongest evidence of all: people and new
-//! furniture reduce `m` as a wrong pose does, but they make no beam longer. `n` is the
-//! share of beams that end near an obstacle but not on it: people stand anywhere, while a filter
-//! at a wrong pose has converged to one at which the walls fit approximately. From one update
-//! to the next, the share [`LostSettings::memory`] of the log odds stays: successive scans
-//! are correlated, and the robot may have been kidnapped. Together:
+//! random poses: in a repetitive building a good fit is weak evidence. `b` is the share of beams
+//! that end behind a wall of the map, the strongest evidence of all: people and new furniture
+//! reduce `m` as a wrong pose does, but they make no beam longer. `n` is the share of beams that
+//! end near an obstacle but not on it: people stand anywhere, while a filter at a wrong pose has
+//! converged to one at which the walls fit approximately. From one update to the next, the share
+//! [`LostSettings::memory`] of the log odds stays: successive scans are correlated, and the robot
+//! may have been kidnapped. Together:
 //!
 //! `P(lost) = 1 - (1 - P(wrong)) support^support_exponent`.
 //!
-//! This is a Bayes filter on two states (F5) whose evidence is tempered. The
-//! exponents and weights are fitted to 960 simulated drives by maximum likelihood,
-//! which calibrates the probability. In buildings and with a laser
-//! that the fit has not seen, the mean difference between what is stated and what happens
-//! (expected calibration error) is 0.014 over a mixture of surroundings, from static to 40 % of
-//! the beams blocked by people. Within one kind of surroundings it is 0.03 to 0.07: where nothing
-//! ever changes, even a small misfit means more than stated, among crowds less. On the recording
-//! of the Intel laboratory, 96 % of the statements at the reference pose are below 0.05 and more
-//! than 99 % of those 1 m beside it are above 0.9.
+//! This is a Bayes filter on two states (F5) whose evidence is tempered. The exponents and weights
+//! are fitted to 960 simulated drives by maximum likelihood, which calibrates the probability. In
+//! buildings and with a laser that the fit has not seen, the mean difference between what is stated
+//! and what happens (expected calibration error) is 0.014 over a mixture of surroundings, from
+//! static to 40 % of the beams blocked by people. Within one kind of surroundings it is 0.03 to
+//! 0.07: where nothing ever changes, even a small misfit means more than stated, among crowds less.
+//! On the recording of the Intel laboratory, 96 % of the statements at the reference pose are below
+//! 0.05 and more than 99 % of those 1 m beside it are above 0.9.
 //!
 //! The prior rate of being lost is that of the fit: 6 of 10 updates. Two poses with the same scans
 //! cannot be distinguished.

@@ -2,11 +2,11 @@
 //!
 //! Odometry and scans come from two computers or two drivers, each with a clock and a queue of its
 //! own. An error of the stamps of a tenth of a second is harmless while a robot drives straight,
-//! but when it starts to turn at 1 rad/s the two disagree by 6 degrees. The scans
-//! determine the delay: matching each with the one before measures the turn of the robot, from walls
-//! alone and without a map. [`DelayEstimator`] finds the delay at which the odometry has turned as far, over
-//! all pairs of scans with a turn that changes; where only the stamps are wrong, it is
-//! accurate to a few milliseconds.
+//! but when it starts to turn at 1 rad/s the two disagree by 6 degrees. The scans determine the
+//! delay: matching each with the one before measures the turn of the robot, from walls alone and
+//! without a map. [`DelayEstimator`] finds the delay at which the odometry has turned as far, over
+//! all pairs of scans with a turn that changes; where only the stamps are wrong, it is accurate to
+//! a few milliseconds.
 //!
 //! A scan that takes a tenth of a second is matched as if it were instantaneous, at the time of
 //! its middle: half the time of a sweep after the stamp of its first beam is part of the answer.
@@ -47,7 +47,8 @@ use nalgebra::{Matrix2, Vector2};
 use outline::{Outline, Trace};
 use std::collections::VecDeque;
 
-/// Collects odometry and scans, each in the order of their stamps, and finds the delay between them.
+/// Collects odometry and scans, each in the order of their stamps, and finds the delay between
+/// them.
 #[derive(Debug)]
 pub struct DelayEstimator {
     settings: DelaySettings,

@@ -1,4 +1,4 @@
-//! FastSLAM on the stamps of real sensors.
+//! FastSLAM over stamped inputs, in order or late.
 
 use super::{FastSlam, FastSlamSettings, finite_twist};
 use crate::{Particles, Result};
@@ -11,32 +11,32 @@ use loc_sensors::landmark_camera::LandmarkObservation;
 
 /// FastSLAM over stamped inputs, in order or late.
 ///
-/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
+/// A velocity holds from its stamp until the next one. Observations may come between velocities,
 /// several at one stamp, up to a horizon late, or not at all: the result is the same as if all had
 /// come in order. For late ones the filter is kept as it was before every input within the horizon;
 /// these copies share their maps.
 #[derive(Debug, Clone)]
 pub struct FastSlamLocalizer {
-    filter: DelayedFilter<Held>,
+    filter: DelayedFilter<StampedSlam>,
 }
 
-/// The filter at the stamp of its last input, with the velocity that it drives on with.
+/// The filter at the stamp of its last input, with the present velocity.
 #[derive(Debug, Clone)]
-struct Held {
+struct StampedSlam {
     slam: FastSlam,
     stamp: f64,
     twist: Twist2,
 }
 
-/// What the localizer is given.
+/// An input.
 #[derive(Debug, Clone)]
 enum Input {
     Velocity(Twist2),
-    LandmarkObservations(Vec<LandmarkObservation>),
+    Observations(Vec<LandmarkObservation>),
 }
 
 impl FastSlamLocalizer {
-    /// A localizer that stands still at `stamp` \[s\] with a belief over (x, y, theta), and takes
+    /// A localizer that stands still at `stamp` \[s\] with a belief over (x, y, theta), and accepts
     /// inputs up to `horizon` \[s\] late.
     ///
     /// # Errors
@@ -50,8 +50,8 @@ impl FastSlamLocalizer {
     ) -> Result<Self> {
         let stamp = loc_core::error::finite("start time [s]", stamp)?;
         let slam = FastSlam::new(start, settings, rng)?;
-        let held = Held { slam, stamp, twist: Twist2::ZERO };
-        Ok(FastSlamLocalizer { filter: DelayedFilter::new(held, horizon)? })
+        let stamped = StampedSlam { slam, stamp, twist: Twist2::ZERO };
+        Ok(FastSlamLocalizer { filter: DelayedFilter::new(stamped, horizon)? })
     }
 
     /// The velocity from `stamp` \[s\] on.
@@ -63,7 +63,7 @@ impl FastSlamLocalizer {
         Ok(())
     }
 
-    /// Any number of landmarks seen at `stamp` \[s\]; the answer has one outcome for each.
+    /// Any number of landmarks seen at `stamp` \[s\]; the result has one outcome for each.
     ///
     /// # Errors
     /// [`loc_filters::Error::TooLate`], and what [`FastSlam::correct`] refuses.
@@ -72,11 +72,7 @@ impl FastSlamLocalizer {
         stamp: f64,
         observations: &[LandmarkObservation],
     ) -> Result<Vec<SlamOutcome>> {
-        Ok(self.filter.input(
-            "observations",
-            stamp,
-            Input::LandmarkObservations(observations.to_vec()),
-        )?)
+        Ok(self.filter.input("observations", stamp, Input::Observations(observations.to_vec()))?)
     }
 
     /// The belief about the robot at a time \[s\]: predicted from the last input before it.
@@ -86,13 +82,13 @@ impl FastSlamLocalizer {
     /// [`loc_filters::Error::LostPositivity`].
     pub fn estimate(&self, stamp: f64) -> Result<Gaussian<3>> {
         loc_core::error::finite("stamp [s]", stamp)?;
-        let held = self.filter.at(stamp);
-        let pose = held.slam.pose()?;
-        if stamp <= held.stamp {
+        let stamped = self.filter.at(stamp);
+        let pose = stamped.slam.pose()?;
+        if stamp <= stamped.stamp {
             return Ok(pose);
         }
-        let FastSlamSettings { integration, motion_noise, .. } = held.slam.settings();
-        Ok(dead_reckon(&pose, held.twist, stamp - held.stamp, *integration, motion_noise))
+        let FastSlamSettings { integration, motion_noise, .. } = stamped.slam.settings();
+        Ok(dead_reckon(&pose, stamped.twist, stamp - stamped.stamp, *integration, motion_noise))
     }
 
     /// The landmarks after the newest input; see [`FastSlam::landmarks`].
@@ -114,7 +110,7 @@ impl FastSlamLocalizer {
     }
 }
 
-impl Step for Held {
+impl Step for StampedSlam {
     type Input = Input;
     type Report = Vec<SlamOutcome>;
 
@@ -132,7 +128,7 @@ impl Step for Held {
     }
 }
 
-impl Held {
+impl StampedSlam {
     fn take(&mut self, dt: f64, input: &Input) -> loc_filters::Result<Vec<SlamOutcome>> {
         if dt > 0.0 {
             self.slam.drive(self.twist, dt)?;
@@ -144,7 +140,7 @@ impl Held {
                 self.twist = *twist;
                 Ok(Vec::new())
             }
-            Input::LandmarkObservations(observations) => self.slam.take_in(observations),
+            Input::Observations(observations) => self.slam.update(observations),
         }
     }
 }

@@ -1,9 +1,9 @@
-//! Monte Carlo localization with landmarks whose places are known (M5).
+//! Monte Carlo localization with landmarks at known positions (M5).
 //!
-//! A particle set drives as the odometry says, each with an error of its own; every observation
-//! of a landmark favours those that would have seen it so. Unlike the extended Kalman filter it
-//! needs no start pose, holds several possible places apart until an observation decides, and finds
-//! back after it was carried away. It takes the same stamped inputs, late ones included.
+//! Particles move with the odometry, each with its own noise; every observation of a landmark
+//! weights them by its likelihood. Unlike the extended Kalman filter it needs no initial pose,
+//! keeps several hypotheses until observations decide, and recovers from kidnapping. It accepts the
+//! same stamped inputs, late ones included.
 //!
 //! ```
 //! use loc_core::{Pose2, Twist2, gaussian::pose_belief, random::stream};
@@ -37,17 +37,17 @@ use loc_core::motion::{Twist2, dead_reckon};
 use loc_core::random::ChaCha8Rng;
 use loc_maps::{Bounds, LandmarkMap};
 use loc_sensors::landmark_camera::LandmarkObservation;
-use past::{Moment, Velocities};
+use past::{BufferedObservations, Velocities};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use update::Fit;
 
 /// Monte Carlo localization over stamped velocities and observations, in order or late.
 ///
-/// A velocity holds from its stamp until the next one. LandmarkObservations may come between velocities,
-/// several at one stamp, up to the settings' `horizon` late, or not at all: the result is the same,
-/// to the bit, as if all had come in order. For that the particle set before each observation of the last
-/// `horizon` is kept, 32 bytes a particle.
+/// A velocity intervals from its stamp until the next one. Observations may come between
+/// velocities, several at one stamp, up to the settings' `horizon` late, or not at all: the result
+/// is the same, to the bit, as if all had come in order. For that the particles before each
+/// observation of the last `horizon` is kept, 32 bytes a particle.
 #[derive(Debug)]
 pub struct LandmarkMcl {
     map: Arc<LandmarkMap>,
@@ -58,20 +58,20 @@ pub struct LandmarkMcl {
     state: State,
     velocities: Velocities,
     /// The observations of the recent past.
-    past: VecDeque<Moment>,
+    past: VecDeque<BufferedObservations>,
 }
 
-/// What the filter knows beside its particle set.
+/// The state of the filter beside its particles.
 #[derive(Debug, Clone, Copy)]
 struct State {
-    /// The time to which the particle set belongs \[s\].
+    /// The time of the particles \[s\].
     stamp: f64,
-    /// What the particle set says about the pose.
+    /// The estimate of the pose.
     belief: Gaussian<3>,
     fit: Fit,
-    /// Whether the particle set lies anywhere and waits for its first observation.
+    /// Whether the particles are uniform, before the first observation.
     anywhere: bool,
-    /// Whether the last observations made it draw a new particle set.
+    /// Whether the particles were resampled with the last observations.
     resampled: bool,
 }
 
@@ -97,7 +97,7 @@ impl LandmarkMcl {
     }
 
     /// A robot that stands still at `stamp` \[s\] anywhere around the landmarks (A2). With the
-    /// first observations the particle set gathers where those may have been seen from.
+    /// first observations the particles are drawn where those may have been seen from.
     ///
     /// # Errors
     /// As [`LandmarkMcl::new`].
@@ -116,14 +116,14 @@ impl LandmarkMcl {
         let region = region.ok_or(none)?;
         let workers = Workers::new(settings.threads)?;
         let mut filter = ParticleFilter::new(Particles::new(), rng).with_workers(workers);
-        *filter.particles_mut() = update::scattered(&region, settings.particles, filter.rng_mut());
+        *filter.particles_mut() = update::uniform(&region, settings.particles, filter.rng_mut());
         let belief = moments(filter.particles());
         let state = State { stamp, belief, fit: Fit::default(), anywhere: true, resampled: false };
         let (velocities, past) = (Velocities::default(), VecDeque::new());
         Ok(LandmarkMcl { map, settings, region, filter, state, velocities, past })
     }
 
-    /// Starts anew from a belief; what was measured so far is forgotten, the velocity is not.
+    /// Restarts from a belief; earlier observations are dropped, the velocity is kept.
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief that is not valid.
@@ -148,11 +148,11 @@ impl LandmarkMcl {
         }
         self.check_stamp("velocity", stamp)?;
         self.velocities.insert(stamp, twist);
-        // It changes what was before an observation after it.
-        let place = self.place_after(stamp);
-        self.go_back_to(place);
-        self.repeat_from(place)?;
-        self.forget();
+        // It changes the motion before later observations.
+        let index = self.index_after(stamp);
+        self.rewind_to(index);
+        self.replay_from(index)?;
+        self.drop_old();
         Ok(())
     }
 
@@ -168,13 +168,16 @@ impl LandmarkMcl {
     ) -> Result<ObservationUpdate> {
         self.check_stamp("observations", stamp)?;
         observations.iter().try_for_each(|observation| observation.sight.check().map(|_| ()))?;
-        let place = self.place_after(stamp);
-        self.go_back_to(place);
+        let index = self.index_after(stamp);
+        self.rewind_to(index);
         let before = self.snapshot();
-        let update = self.take_in(stamp, observations)?;
-        self.past.insert(place, Moment { stamp, observations: observations.to_vec(), before });
-        self.repeat_from(place + 1)?;
-        self.forget();
+        let update = self.update(stamp, observations)?;
+        self.past.insert(
+            index,
+            BufferedObservations { stamp, observations: observations.to_vec(), before },
+        );
+        self.replay_from(index + 1)?;
+        self.drop_old();
         Ok(update)
     }
 
@@ -184,28 +187,28 @@ impl LandmarkMcl {
     /// [`loc_core::Error::OutOfRange`] for a stamp that is not finite.
     pub fn estimate(&self, stamp: f64) -> Result<Gaussian<3>> {
         finite("stamp [s]", stamp)?;
-        let later = self.past.get(self.place_after(stamp));
+        let later = self.past.get(self.index_after(stamp));
         let State { stamp: from, belief, .. } =
             later.map_or(self.state, |moment| moment.before.state);
         let LandmarkMclSettings { integration, motion_noise, .. } = &self.settings;
         let drive = self.velocities.between(from, stamp);
-        Ok(drive.fold(belief, |belief, hold| {
-            dead_reckon(&belief, hold.twist, hold.duration, *integration, motion_noise)
+        Ok(drive.fold(belief, |belief, interval| {
+            dead_reckon(&belief, interval.twist, interval.duration, *integration, motion_noise)
         }))
     }
 
-    /// The particle set, at the time of the last observation.
+    /// The particles, at the time of the last observation.
     pub fn particles(&self) -> &Particles {
         self.filter.particles()
     }
 
-    /// The particle set as the last observations weighed it, if it was resampled then.
+    /// The particles with their weights by the last observations, if they were resampled then.
     pub fn weighed(&self) -> Option<&Particles> {
         self.state.resampled.then(|| self.filter.resampled_from())
     }
 
-    /// How well observations fit, as shares of what they would without errors: in the long run and of
-    /// late. `None` before the first.
+    /// How well observations fit, as shares of their likelihood without errors: long-term and
+    /// short-term average. `None` before the first.
     pub fn fit(&self) -> Option<[f64; 2]> {
         self.state.fit.averages()
     }

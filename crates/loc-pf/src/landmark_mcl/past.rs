@@ -1,7 +1,7 @@
-//! The recent past: what came late is taken in where it belongs.
+//! Late inputs: the history of velocities and observations within the horizon.
 //!
-//! LandmarkObservations are remembered with the filter as it was before them. A late input takes the filter
-//! back there, and what came after it is taken in again, with the same random numbers.
+//! Observations are buffered with the filter as it was before them. A late input rewinds the filter
+//! to that state, and the later observations are replayed with the same random numbers.
 
 use super::{LandmarkMcl, State};
 use crate::motion::VelocityStep;
@@ -22,9 +22,9 @@ pub(super) struct Snapshot {
     rng: ChaCha8Rng,
 }
 
-/// LandmarkObservations, and the filter as it was before them.
+/// Observations with the filter before them.
 #[derive(Debug)]
-pub(super) struct Moment {
+pub(super) struct BufferedObservations {
     pub(super) stamp: f64,
     pub(super) observations: Vec<LandmarkObservation>,
     pub(super) before: Snapshot,
@@ -49,8 +49,8 @@ impl LandmarkMcl {
         }
     }
 
-    /// Index of the first remembered observations after a time.
-    pub(super) fn place_after(&self, stamp: f64) -> usize {
+    /// Index of the first buffered observations after a time.
+    pub(super) fn index_after(&self, stamp: f64) -> usize {
         self.past.partition_point(|moment| moment.stamp <= stamp)
     }
 
@@ -59,71 +59,70 @@ impl LandmarkMcl {
         Snapshot { state: self.state, particles, rng: self.filter.rng_mut().clone() }
     }
 
-    pub(super) fn go_back_to(&mut self, place: usize) {
-        if let Some(Moment { before, .. }) = self.past.get(place) {
+    pub(super) fn rewind_to(&mut self, index: usize) {
+        if let Some(BufferedObservations { before, .. }) = self.past.get(index) {
             self.state = before.state;
             self.filter.particles_mut().clone_from(&before.particles);
             self.filter.rng_mut().clone_from(&before.rng);
         }
     }
 
-    /// Takes in again, from where the filter stands, the observations from index `place` on.
-    pub(super) fn repeat_from(&mut self, place: usize) -> Result<()> {
-        for place in place..self.past.len() {
+    /// Replays the observations from index `index` on, from the present state of the filter.
+    pub(super) fn replay_from(&mut self, index: usize) -> Result<()> {
+        for index in index..self.past.len() {
             let before = self.snapshot();
-            let observations = std::mem::take(&mut self.past[place].observations);
-            let stamp = self.past[place].stamp;
-            self.take_in(stamp, &observations)?;
-            self.past[place] = Moment { stamp, observations, before };
+            let observations = std::mem::take(&mut self.past[index].observations);
+            let stamp = self.past[index].stamp;
+            self.update(stamp, &observations)?;
+            self.past[index] = BufferedObservations { stamp, observations, before };
         }
         Ok(())
     }
 
-    /// Forgets what no input can reach any more.
-    pub(super) fn forget(&mut self) {
+    /// Drops what is older than the horizon.
+    pub(super) fn drop_old(&mut self) {
         let Some(limit) = self.newest().map(|newest| newest - self.settings.horizon) else {
             return;
         };
-        // The newest moment stays, so that there is always a last stamp to compare with.
+        // The newest element stays, so that there is always a last stamp to compare with.
         while self.past.len() > 1 && self.past[0].stamp < limit {
             self.past.pop_front();
         }
-        if let Some(stamp) = self.velocities.leg_end_before(limit) {
+        if let Some(stamp) = self.velocities.segment_end_before(limit) {
             self.drive_to(stamp);
         }
         let oldest = self.past.front().map_or(self.state.stamp, |moment| moment.before.state.stamp);
-        self.velocities.forget_before(oldest);
+        self.velocities.drop_before(oldest);
     }
 }
 
-// The velocities of the recent past, each holding until the next.
-
-/// Stamped velocities in order of their stamps.
+/// Stamped velocities in order of their stamps, each valid until the next.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Velocities {
     known: VecDeque<(f64, Twist2)>,
 }
 
-/// A velocity and how long it held.
+/// A velocity and the time for which it is valid.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Hold {
+pub(super) struct VelocityInterval {
     pub(super) twist: Twist2,
-    /// How long \[s\].
+    /// Duration \[s\].
     pub(super) duration: f64,
-    /// Whether a leg ends where it began to hold.
-    pub(super) starts_leg: bool,
+    /// Whether a motion segment starts with it.
+    pub(super) starts_segment: bool,
 }
 
-/// Whether a leg ends between velocities of these stamps \[s\]: at the first of every second.
-fn leg_ends(before: f64, stamp: f64) -> bool {
+/// Whether a motion segment ends between velocities of these stamps \[s\]: at the first of every
+/// second.
+fn ends_segment(before: f64, stamp: f64) -> bool {
     before.floor() < stamp.floor()
 }
 
 impl Velocities {
-    /// Adds a velocity that holds from `stamp` \[s\] on, behind others of the same stamp.
+    /// Adds a velocity that is valid from `stamp` \[s\] on, behind others of the same stamp.
     pub(super) fn insert(&mut self, stamp: f64, twist: Twist2) {
-        let place = self.known.partition_point(|(other, _)| *other <= stamp);
-        self.known.insert(place, (stamp, twist));
+        let index = self.known.partition_point(|(other, _)| *other <= stamp);
+        self.known.insert(index, (stamp, twist));
     }
 
     /// Stamp of the newest one \[s\].
@@ -131,70 +130,74 @@ impl Velocities {
         self.known.back().map(|(stamp, _)| *stamp)
     }
 
-    /// What held from one time to another \[s\]. Before the first velocity the robot stood still.
-    pub(super) fn between(&self, from: f64, to: f64) -> impl Iterator<Item = Hold> + '_ {
+    /// The velocities from one time to another \[s\]. Before the first velocity the robot stands
+    /// still.
+    pub(super) fn between(
+        &self,
+        from: f64,
+        to: f64,
+    ) -> impl Iterator<Item = VelocityInterval> + '_ {
         let starts = || self.known.iter().map(|(stamp, _)| *stamp);
         let ends = starts().skip(1).chain([f64::INFINITY]);
         let before = [f64::INFINITY].into_iter().chain(starts());
-        let holds = self.known.iter().zip(ends).zip(before);
-        let holds = holds.map(move |(((start, twist), end), before)| Hold {
+        let intervals = self.known.iter().zip(ends).zip(before);
+        let intervals = intervals.map(move |(((start, twist), end), before)| VelocityInterval {
             twist: *twist,
             duration: end.min(to) - start.max(from),
-            starts_leg: leg_ends(before, *start),
+            starts_segment: ends_segment(before, *start),
         });
-        holds.filter(|hold| hold.duration > 0.0)
+        intervals.filter(|interval| interval.duration > 0.0)
     }
 
-    /// The last end of a leg up to a time \[s\].
-    pub(super) fn leg_end_before(&self, limit: f64) -> Option<f64> {
+    /// The last end of a segment up to a time \[s\].
+    pub(super) fn segment_end_before(&self, limit: f64) -> Option<f64> {
         let known = self.known.partition_point(|(stamp, _)| *stamp <= limit);
-        let is_end = |&k: &usize| leg_ends(self.known[k - 1].0, self.known[k].0);
+        let is_end = |&k: &usize| ends_segment(self.known[k - 1].0, self.known[k].0);
         (1..known).rev().find(is_end).map(|k| self.known[k].0)
     }
 
-    /// Forgets what has no effect after `stamp` \[s\].
-    pub(super) fn forget_before(&mut self, stamp: f64) {
+    /// Drops velocities without effect after `stamp` \[s\].
+    pub(super) fn drop_before(&mut self, stamp: f64) {
         while self.known.get(1).is_some_and(|(next, _)| *next <= stamp) {
             self.known.pop_front();
         }
     }
 }
 
-// A stretch of the drive between two observations, drawn at once.
-//
-// Odometry speaks far more often than landmarks are seen. The velocities in between are put
-// together to one motion, normally distributed in the frame of its start (E6, E7); a particle then
-// needs one draw for all of them. Where the heading becomes unsure the motion is no longer normal
-// (it bends like a banana), and a new leg begins.
+/// Standard deviation of the heading at which a new segment begins \[rad\]. The length of a segment
+/// is off by half its square, 0.5 %.
+const MAX_HEADING_SIGMA: f64 = 0.1;
 
-/// Standard deviation of the heading at which a new leg begins \[rad\]. The length of a leg is
-/// off by half its square, 0.5 %.
-const STRAIGHT: f64 = 0.1;
-
-/// The legs of a drive, each a step along and across the heading at its start.
+/// The motion segments of a drive, each a step along and across the heading at its start.
+///
+/// Velocities arrive far more often than observations. Those of a segment are combined to one
+/// motion, normally distributed in the frame of its start (E6, E7), so that a particle needs one
+/// draw for all of them. Where the uncertainty of the heading grows the motion is no longer normal,
+/// and a new segment begins.
 ///
 /// # Errors
 /// [`loc_core::Error::OutOfRange`] where the drive is longer than any robot's.
-pub(super) fn legs(
-    drive: impl IntoIterator<Item = Hold>,
+pub(super) fn segments(
+    drive: impl IntoIterator<Item = VelocityInterval>,
     integration: Integration,
     noise: &VelocityNoise,
 ) -> Result<Vec<VelocityStep>> {
     let start = Gaussian::certain(Vector3::zeros());
-    let (mut legs, mut leg) = (Vec::new(), start);
-    for hold in drive {
-        if hold.starts_leg || leg.covariance.m33 > STRAIGHT * STRAIGHT {
-            legs.push(std::mem::replace(&mut leg, start));
+    let (mut segments, mut segment) = (Vec::new(), start);
+    for interval in drive {
+        if interval.starts_segment || segment.covariance.m33 > MAX_HEADING_SIGMA * MAX_HEADING_SIGMA
+        {
+            segments.push(std::mem::replace(&mut segment, start));
         }
-        leg = dead_reckon(&leg, hold.twist, hold.duration, integration, noise);
+        segment = dead_reckon(&segment, interval.twist, interval.duration, integration, noise);
     }
-    legs.push(leg);
-    legs.retain(|leg| *leg != start);
-    legs.iter().map(step).collect()
+    segments.push(segment);
+    segments.retain(|segment| *segment != start);
+    segments.iter().map(step).collect()
 }
 
 /// Euler's rule over a time of 1 s takes a velocity for a displacement.
-fn step(leg: &Gaussian<3>) -> Result<VelocityStep> {
-    let displacement = Twist2::from_vector(&leg.mean);
-    VelocityStep::with_covariance(displacement, 1.0, &leg.covariance, Integration::Euler)
+fn step(segment: &Gaussian<3>) -> Result<VelocityStep> {
+    let displacement = Twist2::from_vector(&segment.mean);
+    VelocityStep::with_covariance(displacement, 1.0, &segment.covariance, Integration::Euler)
 }

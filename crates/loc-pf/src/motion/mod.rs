@@ -1,8 +1,9 @@
 //! Motion models: where a robot may be after a step, drawn for each of many poses (M4).
 //!
 //! A robot does not move exactly as commanded or as its odometry measures. A motion model draws for
-//! every particle one possible step: the measured step plus noise, applied to the particle's pose. Each model here is computed once per step and then moves many poses at
-//! once: [`DifferentialStep`] and [`OmnidirectionalStep`] from two poses of the odometry,
+//! every particle one possible step: the measured step plus noise, applied to the particle's pose.
+//! Each model here is computed once per step and then moves many poses at once:
+//! [`DifferentialStep`] and [`OmnidirectionalStep`] from two poses of the odometry,
 //! [`VelocityStep`] from a velocity, [`AckermannStep`] from speed and steering angle. A closure
 //! from pose to pose is a motion model too.
 //!
@@ -26,8 +27,8 @@
 //!
 //! [`NoisyStep`] is the step of a driven path. [`PathNoise`] gives the error of odometry along a path.
 //! Occasionally a wheel slips, the robot is stuck or pushed, or an encoder counts in the wrong
-//! direction, and the error of odometry is as large as the reported step. At every step a small share
-//! of the particles is drawn with such an error; without them the robot would then be lost.
+//! direction, and the error of odometry is as large as the reported step. At every step a small
+//! share of the particles is drawn with such an error; without them the robot would then be lost.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -64,8 +65,8 @@ pub trait Motion: Sync {
 
 /// A motion as a function of the pose before and of standard normal numbers.
 ///
-/// With the noise of a particle known, it can be changed a little and the particle moved again, within
-/// the distribution of the motion: see [`Tempering`](crate::Tempering).
+/// With the noise of a particle known, it can be changed a little and the particle moved again,
+/// within the distribution of the motion: see [`Tempering`](crate::Tempering).
 pub trait Transport: Sync {
     /// The pose that `noise`, four independent standard normal numbers, leads to from `pose`.
     fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2;

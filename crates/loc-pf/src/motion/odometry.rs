@@ -14,11 +14,11 @@ use loc_core::random::ChaCha8Rng;
 /// Robotics, table 5.6).
 ///
 /// Backward drives keep their small turns ([`OdometryMotion::between`]), and so their small noise.
-/// When a robot turns on the spot, the direction of the few millimetres that it moves is random, and
-/// the textbook takes it for a large turn forth and back. Here, of
-/// `rot1`, the share `d^2 / (d^2 + d0^2)` counts as a separate turn, with the distance `d` and
-/// `d0` = [`SHORT_DRIVE`](DifferentialStep::SHORT_DRIVE); the rest of the whole turn counts as
-/// `rot2`. The step itself is not changed.
+/// When a robot turns on the spot, the direction of the few millimetres that it moves is random,
+/// and the textbook takes it for a large turn forth and back. Here, of `rot1`, the share `d^2 /
+/// (d^2 + d0^2)` counts as a separate turn, with the distance `d` and `d0` =
+/// [`SHORT_DRIVE`](DifferentialStep::SHORT_DRIVE); the rest of the whole turn counts as `rot2`. The
+/// step itself is not changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DifferentialStep {
     motion: OdometryMotion,
@@ -194,7 +194,8 @@ impl Motion for OmnidirectionalStep {
 }
 
 impl Transport for OmnidirectionalStep {
-    /// The first three numbers are the noise, in the order of [`sigmas`](OmnidirectionalStep::sigmas).
+    /// The first three numbers are the noise, in the order of
+    /// [`sigmas`](OmnidirectionalStep::sigmas).
     fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
         moved(*self, pose, noise)
     }

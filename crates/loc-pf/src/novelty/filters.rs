@@ -12,8 +12,8 @@ use nalgebra::Point2;
 /// Drops a beam that is, averaged over the belief, shorter than expected with more than a given
 /// probability (K3): something that is not in the map blocks it.
 ///
-/// A beam of range d is shorter than expected with `P(d < d* + e)`, e of `N(0, sigma_hit^2)`,
-/// with d* the range expected by the map; with 1 where no return is expected. Beams without a return are
+/// A beam of range d is shorter than expected with `P(d < d* + e)`, e of `N(0, sigma_hit^2)`, with
+/// d* the range expected by the map; with 1 where no return is expected. Beams without a return are
 /// never dropped. It keeps the beams that are needed:
 ///
 /// * with a wide belief (global localization) a beam is dropped only where it is too short nearly
@@ -129,12 +129,12 @@ fn suspects(mounted: &MountedScan<'_>, beams: &[usize]) -> Vec<Suspect> {
 /// `H = -integral b ln b` rises.
 ///
 /// A beam that fits the belief sharpens it. One that hits a person moves weight to the edge of the
-/// belief, or to poses that were nearly excluded. So does a beam that is evidence for the robot being
-/// elsewhere: with this filter alone a kidnapped robot stays lost. Where more than
+/// belief, or to poses that were nearly excluded. So does a beam that is evidence for the robot
+/// being elsewhere: with this filter alone a kidnapped robot stays lost. Where more than
 /// `max_dropped` of the beams raise the entropy, all are kept.
 ///
-/// The density before the beam is the Gaussian with the mean and covariance of the sample; the change
-/// by the beam is summed over the sample.
+/// The density before the beam is the Gaussian with the mean and covariance of the sample; the
+/// change by the beam is summed over the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -162,8 +162,8 @@ impl EntropyFilter {
         Ok(())
     }
 
-    /// Which of the beams numbered `beams` to keep, including those without information. `rating` is
-    /// the logarithm of the likelihood of a beam, as [`by_field`](super::by_field) or
+    /// Which of the beams numbered `beams` to keep, including those without information. `rating`
+    /// is the logarithm of the likelihood of a beam, as [`by_field`](super::by_field) or
     /// [`by_casting`](super::by_casting) give it.
     ///
     /// # Errors

@@ -1,13 +1,13 @@
 //! Novelty filters: leaving out the beams that hit what is on no map (K3).
 //!
-//! A localizer assumes that measurements depend on the pose alone. People who walk along with a robot
-//! violate that for many cycles in a row: the beams that end on them agree with some wrong pose, to
-//! which the filter finally converges. Fox, Burgard and Thrun ("Markov localization
-//! for mobile robots in dynamic environments", 1999) remove beams before they are used, by the
-//! present belief. The [`DistanceFilter`] drops a beam that is very likely shorter
-//! than expected by the map; it is for range finders, and the one to prefer. The [`EntropyFilter`] drops
-//! a beam that would increase the uncertainty of the pose; it works for any sensor, but also drops
-//! the evidence that the robot is elsewhere.
+//! A localizer assumes that measurements depend on the pose alone. People who walk along with a
+//! robot violate that for many cycles in a row: the beams that end on them agree with some wrong
+//! pose, to which the filter finally converges. Fox, Burgard and Thrun ("Markov localization for
+//! mobile robots in dynamic environments", 1999) remove beams before they are used, by the present
+//! belief. The [`DistanceFilter`] drops a beam that is very likely shorter than expected by the
+//! map; it is for range finders, and the one to prefer. The [`EntropyFilter`] drops a beam that
+//! would increase the uncertainty of the pose; it works for any sensor, but also drops the evidence
+//! that the robot is elsewhere.
 //!
 //! Both use a [`BeliefSample`], a few poses of the particles after the motion and before weighting.
 //!
@@ -52,12 +52,13 @@ use nalgebra::{Matrix3, Point2, Vector3};
 pub struct Kept {
     /// Numbers of the beams to use, in the order in which they were given.
     pub beams: Vec<usize>,
-    /// Number of beams that did not fit the belief; they are kept nevertheless where there are too many.
+    /// Number of beams that did not fit the belief; they are kept nevertheless where there are too
+    /// many.
     pub novel: usize,
 }
 
-/// The beams without the novel ones, or all of them where more than a share `max` is novel: then the
-/// belief is wrong.
+/// The beams without the novel ones, or all of them where more than a share `max` is novel: then
+/// the belief is wrong.
 fn without(beams: &[usize], is_novel: &[bool], max: f64) -> Kept {
     let novel = is_novel.iter().filter(|novel| **novel).count();
     let all = novel as f64 > max * beams.len() as f64;
@@ -130,11 +131,11 @@ impl BeliefSample {
     }
 }
 
-/// Rates a beam by the likelihood field: how near it ends to an obstacle. Beams without a return are
-/// equally likely everywhere.
+/// Rates a beam by the likelihood field: how near it ends to an obstacle. Beams without a return
+/// are equally likely everywhere.
 ///
-/// The closure takes the position of the laser in the map \[m\], the direction of the beam there as a
-/// unit vector, and its range \[m\], and returns the logarithm.
+/// The closure takes the position of the laser in the map \[m\], the direction of the beam there as
+/// a unit vector, and its range \[m\], and returns the logarithm.
 pub fn by_field(field: &LikelihoodField) -> impl Fn(Point2<f64>, [f64; 2], f64) -> f64 + '_ {
     move |laser, [x, y], range| {
         if !range.is_finite() {
@@ -144,7 +145,8 @@ pub fn by_field(field: &LikelihoodField) -> impl Fn(Point2<f64>, [f64; 2], f64) 
     }
 }
 
-/// Rates a beam by the beam model: a ray for each beam and pose. The closure is as for [`by_field`].
+/// Rates a beam by the beam model: a ray for each beam and pose. The closure is as for
+/// [`by_field`].
 pub fn by_casting<'a>(
     caster: &'a RayCaster,
     model: &'a BeamModel,

@@ -1,14 +1,16 @@
 //! Tempered (annealed) updates, by which a small particle set finds a narrow peak.
 //!
-//! After odometry the pose is uncertain by decimetres; a laser scan determines it to centimetres. Of a few hundred particles drawn from the motion hardly one lies within the peak of
-//! such a likelihood, and plain weighting leaves copies of that one. Here the likelihood p is used
-//! in stages p^b with b growing from 0 to 1: after each stage the particle set is resampled, and every
+//! After odometry the pose is uncertain by decimetres; a laser scan determines it to centimetres.
+//! Of a few hundred particles drawn from the motion hardly one lies within the peak of such a
+//! likelihood, and plain weighting leaves copies of that one. Here the likelihood p is used in
+//! stages p^b with b growing from 0 to 1: after each stage the particle set is resampled, and every
 //! particle makes Metropolis-Hastings steps in the space of its motion noise. The stages adapt
 //! themselves: a scan with little information needs one, and the update is the plain one.
 //!
 //! The result is a sample of the same posterior as that of the plain filter with very many
-//! particles: the steps leave the distribution of the motion invariant (Del Moral, Doucet and Jasra,
-//! "Sequential Monte Carlo samplers", 2006; Cotter et al., "MCMC methods for functions", 2013).
+//! particles: the steps leave the distribution of the motion invariant (Del Moral, Doucet and
+//! Jasra, "Sequential Monte Carlo samplers", 2006; Cotter et al., "MCMC methods for functions",
+//! 2013).
 //!
 //! ```
 //! use loc_core::{Pose2, random::stream};
@@ -18,7 +20,7 @@
 //! let mut filter = ParticleFilter::new(particles, stream(1, "filter"));
 //! let mut path = DrivenPath::starting_at(Pose2::IDENTITY);
 //! path.extend(Pose2::new(4.0, 0.0, 0.0));
-//! // Odometry is good to 0.1 m along the way, the measurement to 1 mm.
+//! // Odometry is good to 0.1 m along the path, the measurement to 1 mm.
 //! let measurement = |pose: Pose2| -0.5 * ((pose.x - 4.15) / 0.001).powi(2);
 //! let step = NoisyStep::new(&path, &PathNoise::default());
 //! let report = Tempering::default().update(&mut filter, &step, &measurement, 200);
@@ -111,8 +113,8 @@ impl Tempering {
     /// accepted ones on average: copies made by resampling must separate again, or there are fewer
     /// different particles than their number.
     ///
-    /// Steps are in proportion to the remaining spread of the noise in each of its coordinates; their
-    /// scale follows the share of accepted steps.
+    /// Steps are in proportion to the remaining spread of the noise in each of its coordinates;
+    /// their scale follows the share of accepted steps.
     fn walk(
         &mut self,
         filter: &mut ParticleFilter,
@@ -140,9 +142,9 @@ impl Tempering {
         }
     }
 
-    /// Whether most of the weight lies on copies of a few particles. With uncertain odometry a single
-    /// particle may lie within the peak of a scan, and its copies, from which no step leads to a
-    /// better pose, soon outweigh all others.
+    /// Whether most of the weight lies on copies of a few particles. With uncertain odometry a
+    /// single particle may lie within the peak of a scan, and its copies, from which no step leads
+    /// to a better pose, soon outweigh all others.
     fn is_mostly_copies(&mut self, workers: &Workers) -> bool {
         let parts = self.parts.iter_mut().zip(self.log_weights.chunks(PART));
         let masses = workers.map(parts, |(part, weights)| part.without_copies(weights));

@@ -81,8 +81,8 @@ impl Part {
         Mass::of(&self.singles)
     }
 
-    /// One Metropolis-Hastings step of each particle in the space of the noise; returns how many were
-    /// accepted.
+    /// One Metropolis-Hastings step of each particle in the space of the noise; returns how many
+    /// were accepted.
     ///
     /// The proposal `sqrt(1 - s^2) noise + s normal` leaves the distribution of the noise as it is
     /// (it is the preconditioned Crank-Nicolson proposal), so that only the likelihoods decide.

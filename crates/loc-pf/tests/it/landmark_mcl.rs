@@ -256,7 +256,7 @@ fn blind_drives_follow_the_odometry() {
     // An observation of a landmark that the map has not moves the cloud and says nothing.
     let update = filter.observations(10.0, &[LandmarkObservation { landmark: 99, sight }]).unwrap();
     assert_eq!((update.trust[0].probability, update.resampled), (0.0, false));
-    let cloud = loc_pf::estimate(filter.particles());
+    let cloud = loc_pf::estimate::moments(filter.particles());
     for i in 0..3 {
         let (a, b) = (cloud.covariance[(i, i)].sqrt(), before.covariance[(i, i)].sqrt());
         assert!((a / b - 1.0).abs() < 0.06, "{i}: {a} {b}");

@@ -4,7 +4,7 @@ use approx::assert_abs_diff_eq;
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, angle};
 use loc_pf::Particles;
-use loc_pf::estimate;
+use loc_pf::estimate::moments;
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 use std::f64::consts::PI;

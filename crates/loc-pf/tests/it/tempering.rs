@@ -25,7 +25,7 @@ fn a_narrow_peak_under_wide_noise_keeps_its_width() {
         let cloud = Particles::from_poses(std::iter::repeat_n(Pose2::IDENTITY, 500));
         let mut filter = ParticleFilter::new(cloud, stream(seed, "filter"));
         Tempering::default().update(&mut filter, &step, &measurement, 500);
-        let belief = loc_pf::estimate(filter.particles());
+        let belief = loc_pf::estimate::moments(filter.particles());
         let deviation = belief.covariance[(0, 0)].sqrt();
         narrow += usize::from(deviation < 0.005);
     }
