@@ -33,6 +33,7 @@
 //! scans that were not used for the map, the best was within 0.3 m and 5 deg in 451 of
 //! 455 poses by one scan of 180 beams, in 454 of 454 by two and in 453 of 453 by three.
 //!
+//! [`LikelihoodField::log_likelihood`]: crate::LikelihoodField::log_likelihood
 //! [`Obstacles::Surfaces`]: crate::likelihood_field::Obstacles::Surfaces
 //!
 //! ```

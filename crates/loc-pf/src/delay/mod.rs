@@ -168,7 +168,7 @@ impl DelayEstimator {
     }
 }
 
-/// Settings of [`DelayEstimator`](DelayEstimator); the defaults suit robots that turn at
+/// Settings of [`DelayEstimator`]; the defaults suit robots that turn at
 /// walking pace and scanners of 5 Hz and more.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DelaySettings {

@@ -90,7 +90,7 @@ impl Particle {
         {
             match association {
                 Association::Existing(slot) => {
-                    self.correct_landmark(context, *slot, seen, outcome.accepted())?
+                    self.correct_landmark(context, *slot, seen, outcome.accepted())?;
                 }
                 Association::New => *outcome = self.initialize_landmark(context, seen)?,
                 Association::None => {}

@@ -15,8 +15,8 @@ use loc_core::random::ChaCha8Rng;
 ///
 /// Backward drives keep their small turns ([`OdometryMotion::between`]), and so their small noise.
 /// When a robot turns on the spot, the direction of the few millimetres that it moves is random,
-/// and the textbook takes it for a large turn forth and back. Here, of `rot1`, the share `d^2 /
-/// (d^2 + d0^2)` counts as a separate turn, with the distance `d` and `d0` =
+/// and the textbook takes it for a large turn forth and back. Here, of `rot1`, the share
+/// `d^2 / (d^2 + d0^2)` counts as a separate turn, with the distance `d` and `d0` =
 /// [`SHORT_DRIVE`](DifferentialStep::SHORT_DRIVE); the rest of the whole turn counts as `rot2`. The
 /// step itself is not changed.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -264,7 +264,7 @@ const SPREADING_MOVES: f64 = 3.0;
 /// How finely a share of a measurement is determined: to 1 / 2^10 of what is left.
 const BISECTIONS: u32 = 10;
 
-/// Settings of [`Tempering`](crate::Tempering).
+/// Settings of [`Tempering`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]

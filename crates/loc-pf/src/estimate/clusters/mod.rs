@@ -115,7 +115,7 @@ impl Clusterer {
     }
 }
 
-/// Settings of a [`Clusterer`](Clusterer).
+/// Settings of a [`Clusterer`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]

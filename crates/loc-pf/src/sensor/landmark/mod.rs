@@ -1,10 +1,12 @@
 //! Landmarks at known positions, observed by distance, direction or both (M5).
 //!
 //! From a particle's pose follows the expected observation of each landmark; the nearer the
-//! measured one is to it, the larger the particle's weight: `p = prod_j N(r_j - r_j*; s_r) N(phi_j
-//! - phi_j*; s_phi)`. Occasionally a number is misread. So that one such outlier does not exclude
-//! the true pose, each factor is a mixture with a small uniform density over everything that a
-//! camera can report.
+//! measured one is to it, the larger the particle's weight:
+//!
+//! `p = prod_j N(r_j - r_j*; s_r) N(phi_j - phi_j*; s_phi)`.
+//!
+//! Occasionally a number is misread. So that one such outlier does not exclude the true pose, each
+//! factor is a mixture with a small uniform density over everything that a camera can report.
 //!
 //! ```
 //! use loc_core::{Pose2, random::stream};

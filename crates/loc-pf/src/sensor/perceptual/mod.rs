@@ -2,8 +2,8 @@
 //! expected by the map (K2).
 //!
 //! Every beam taken at a known pose is a [`RangePair`]: the range expected by the map there, and
-//! the one that was measured. Counted over both, many pairs give the surface `p(measured |
-//! expected)`: a ridge along `measured = expected`, a slope before it from people and chairs that
+//! the one that was measured. Counted over both, many pairs give the surface
+//! `p(measured | expected)`: a ridge along `measured = expected`, a slope before it from people and chairs that
 //! are not in the map, a peak at the longest range. [`PerceptualHistogram`] keeps the counts; its
 //! [`PerceptualModel`] rates scans directly. [`fit_beam_model`] finds the parameters of the
 //! [`BeamModel`](super::BeamModel) that explain the pairs best, by maximum likelihood.
