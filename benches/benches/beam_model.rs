@@ -14,7 +14,7 @@ use loc_pf::Particles;
 use loc_pf::mcl::MountedScan;
 use loc_pf::sensor::Likelihood;
 use loc_pf::sensor::beam::{
-    BeamLikelihood, BeamModel, BeamModelSettings, RangeModel, telling_beams,
+    BeamLikelihood, BeamModel, BeamModelSettings, RangeModel, informative_beams,
 };
 use loc_sensors::laser::LaserScan;
 use loc_sensors::world::RangeWorld;
@@ -76,7 +76,7 @@ fn beam_model(c: &mut Criterion) {
     for beams in [60, 180] {
         let scan = scan(&grid, beams);
         let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
-        let used = telling_beams(&scan, beams);
+        let used = informative_beams(&scan, beams);
         let prepare =
             || BeamLikelihood::new(&caster, &settings, &mounted, &used, 1.0).expect("valid");
         let likelihood = prepare();

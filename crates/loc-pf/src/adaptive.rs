@@ -1,15 +1,15 @@
 //! How many particles the particle set needs: KLD-sampling (Fox 2003).
 //!
 //! A robot that may be anywhere needs many particles, one that is localized to a few centimetres
-//! needs few. KLD-sampling measures how spread the belief is by the number of bins (of
-//! position and heading) that hold particles, and requires as many particles as keep the particle set,
-//! with a given confidence, no further than a given error from the belief (Kullback-Leibler distance).
+//! needs few. KLD-sampling measures how spread the belief is by the number of bins (of position and
+//! heading) that hold particles, and requires as many particles as keep the particle set, with a
+//! given confidence, no further than a given error from the belief (Kullback-Leibler distance).
 //!
-//! Fox draws the new particles one by one until there are enough. Low-variance resampling needs their
-//! number beforehand. [`Kld`] therefore draws the minimum number first, which for a compact particle
-//! set is the result. Where their bins require more, it visits further particles of the old set in
-//! proportion to their weights, in an order that covers the cumulative weights evenly at every count
-//! (multiples of the golden ratio), until there are enough; then the scheme, any
+//! Fox draws the new particles one by one until there are enough. Low-variance resampling needs
+//! their number beforehand. [`Kld`] therefore draws the minimum number first, which for a compact
+//! particle set is the result. Where their bins require more, it visits further particles of the
+//! old set in proportion to their weights, in an order that covers the cumulative weights evenly at
+//! every count (multiples of the golden ratio), until there are enough; then the scheme, any
 //! [`Resampling`], draws that many anew.
 //!
 //! ```
@@ -40,7 +40,8 @@ use std::f64::consts::TAU;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct KldSettings {
-    /// Largest Kullback-Leibler distance between the particle set and the belief (`pf_err`, epsilon).
+    /// Largest Kullback-Leibler distance between the particle set and the belief (`pf_err`,
+    /// epsilon).
     pub error: f64,
     /// The confidence with which it is kept.
     pub certainty: KldCertainty,
@@ -140,7 +141,8 @@ impl KldSettings {
     }
 }
 
-/// The set of bins that hold particles: a table with open addressing, emptied at constant cost by a new stamp.
+/// The set of bins that hold particles: a table with open addressing, emptied at constant cost by a
+/// new stamp.
 #[derive(Debug)]
 struct Bins {
     /// Bins per metre, and bins in a full turn over 2 pi.
@@ -258,8 +260,8 @@ impl Kld {
     }
 
     /// Fills `indices` with as many particles as the number of occupied bins requires, drawn by
-    /// `scheme` from the cumulative weights of the particle set; between `min_particles` and `max_particles`, none from
-    /// a particle set without any.
+    /// `scheme` from the cumulative weights of the particle set; between `min_particles` and
+    /// `max_particles`, none from a particle set without any.
     ///
     /// # Panics
     /// Where the cumulative weights have more intervals than there are poses.

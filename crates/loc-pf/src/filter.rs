@@ -20,7 +20,7 @@ use crate::{Kld, KldSettings, Likelihood, Motion, Particles, Resampling, Workers
 use loc_core::random::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// A particle set with its randomness and its threads.
+/// Particles with their random generator and their threads.
 #[derive(Debug)]
 pub struct ParticleFilter {
     particles: Particles,
@@ -32,7 +32,7 @@ pub struct ParticleFilter {
     workers: Workers,
 }
 
-/// What a measurement says of the particle set as a whole.
+/// Figures of a correction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weighing {
     /// Logarithm of the mean likelihood; -inf where no particle can explain the measurement.
@@ -51,7 +51,7 @@ impl Clone for ParticleFilter {
 }
 
 impl ParticleFilter {
-    /// A filter that starts from a particle set and draws from `rng`, on the calling thread.
+    /// A filter that starts from `particles` and draws from `rng`, on the calling thread.
     pub fn new(particles: Particles, rng: ChaCha8Rng) -> Self {
         let (spare, cumulative, indices) = (Particles::new(), CumulativeWeights::new(), Vec::new());
         ParticleFilter { particles, spare, cumulative, indices, rng, workers: Workers::one() }
@@ -69,12 +69,12 @@ impl ParticleFilter {
         &self.workers
     }
 
-    /// The particle set.
+    /// The particles.
     pub fn particles(&self) -> &Particles {
         &self.particles
     }
 
-    /// The particle set, to change.
+    /// The particles, to change.
     pub fn particles_mut(&mut self) -> &mut Particles {
         &mut self.particles
     }
@@ -84,7 +84,7 @@ impl ParticleFilter {
         &self.rng
     }
 
-    /// The generator that the filter draws from, to draw from it as well.
+    /// The generator that the filter draws from, to draw from it outside the filter.
     pub fn rng_mut(&mut self) -> &mut ChaCha8Rng {
         &mut self.rng
     }
@@ -100,7 +100,7 @@ impl ParticleFilter {
     }
 
     /// Both [`weigh`](ParticleFilter::weigh) and [`normalize`](ParticleFilter::normalize), in one
-    /// pass over the particle set.
+    /// pass over the particles.
     pub fn correct(&mut self, measurement: &impl Likelihood) -> Weighing {
         let ParticleFilter { workers, particles, .. } = self;
         let mass = workers.rate_and_add_up(particles, measurement);
@@ -125,19 +125,19 @@ impl ParticleFilter {
         self.copy_drawn();
     }
 
-    /// The same with as many particles as the spread of the particle set asks for; says how many.
+    /// The same with the number of particles that their spread requires; returns it.
     pub fn resample_adaptively(&mut self, scheme: Resampling, kld: &mut Kld) -> usize {
         self.draw_adaptively(scheme, kld);
         self.copy_drawn();
         self.particles.len()
     }
 
-    /// The particle set before the last resampling, with its weights; empty before the first.
+    /// The particles before the last resampling, with its weights; empty before the first.
     pub fn resampled_from(&self) -> &Particles {
         &self.spare
     }
 
-    /// How many particles the spread of the particle set asks for.
+    /// The number of particles that their spread requires.
     pub fn count_needed(&mut self, kld: &mut Kld) -> usize {
         self.draw_adaptively(Resampling::Systematic, kld);
         self.indices.len()

@@ -74,8 +74,8 @@ pub struct SeedSettings {
     /// Standard deviation of the heading \[rad\].
     pub heading: f64,
     /// Power to which the likelihoods are raised. The beams of a scan depend on each other, so
-    /// that the likelihood of 180 of them says far more than is known; low powers keep second
-    /// guesses alive.
+    /// that the likelihood of 180 of them is overconfident; low powers keep less likely
+    /// candidates.
     pub exponent: f64,
 }
 

@@ -1,4 +1,22 @@
 #![doc = include_str!("../README.md")]
+//!
+//! | Module | Contents |
+//! |---|---|
+//! | [`mcl`] | Monte Carlo localization with lasers: the whole filter |
+//! | [`landmark_mcl`] | Monte Carlo localization with landmarks |
+//! | [`fastslam`] | FastSLAM 2.0 |
+//! | [`filter`], [`particles`], [`initial`] | the plain particle filter, its particles, initial particles |
+//! | [`motion`] | motion models, which sample |
+//! | [`sensor`] | likelihoods: beam model, likelihood field, landmarks, learned model |
+//! | [`resample`], [`adaptive`] | resampling schemes, when to resample, how many particles (KLD) |
+//! | [`tempering`] | updates in stages, for narrow likelihoods |
+//! | [`estimate`] | mean, covariance and clusters |
+//! | [`recovery`], [`confidence`] | when to search for the robot elsewhere, the probability of being lost |
+//! | [`novelty`] | filters against people and new objects |
+//! | [`delay`] | delay between odometry and scans |
+//! | [`workers`], [`normals`] | threads, fast normal random numbers |
+//!
+//! The search of the whole map for a scan is [`loc_maps::search`].
 
 pub mod adaptive;
 pub mod confidence;

@@ -7,10 +7,10 @@ use crate::elementary::exp;
 use crate::workers::{PART, Workers};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Numbers looked at side by side.
+/// Numbers processed side by side.
 const LANES: usize = 8;
 
-/// The largest number; -inf without any. NaN is passed over.
+/// The largest number; -inf without any. NaN is ignored.
 #[inline(always)]
 fn largest(numbers: &[f64]) -> f64 {
     let larger = |a: f64, b: f64| if b > a { b } else { a };
@@ -41,7 +41,7 @@ impl WithSimd for FindLargest<'_> {
     }
 }
 
-/// Some weights added up, in units of the largest of them, so that nothing underflows.
+/// A sum of weights, in units of the largest of them, so that nothing underflows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mass {
     /// Logarithm of the largest weight; -inf without any.
@@ -58,13 +58,13 @@ impl Default for Mass {
 }
 
 impl Mass {
-    /// The weights of a part of a particle set.
+    /// The weights of a part of the particles.
     pub(crate) fn of(log_weights: &[f64]) -> Mass {
         Arch::new().dispatch(AddUp(log_weights))
     }
 
-    /// The weights of a part after a share of a measurement, whose log-likelihoods are given, is
-    /// taken in; they go to `after`.
+    /// The weights of a part after a share of a measurement, whose log-likelihoods are given;
+    /// they go to `after`.
     pub(crate) fn after(
         log_weights: &[f64],
         share: f64,
@@ -74,7 +74,7 @@ impl Mass {
         Arch::new().dispatch(TakeIn { log_weights, share, log_likelihoods, after })
     }
 
-    /// The weights of a whole particle set: parts added up in their order.
+    /// The weights of all particles: parts added up in their order.
     pub(crate) fn total(parts: impl IntoIterator<Item = Mass>) -> Mass {
         parts.into_iter().fold(Mass::default(), Mass::plus)
     }
@@ -132,7 +132,7 @@ fn add_up(log_weights: &[f64]) -> Mass {
     Mass { largest, sum: sums.iter().sum(), squares: squares.iter().sum() }
 }
 
-/// Takes in a share of a measurement.
+/// Weights by a share of a measurement.
 struct TakeIn<'a> {
     log_weights: &'a [f64],
     share: f64,

@@ -1,6 +1,6 @@
-//! The belief of a particle filter: many poses, each with a weight.
+//! The belief of a particle filter: a set of poses, each with a weight.
 //!
-//! Coordinates lie apart from each other (structure of arrays), so that loops over the particle set run
+//! Coordinates are stored separately (structure of arrays), so that loops over the particles run
 //! through memory in order and take several particles at once. Weights are kept as logarithms:
 //! the product of 720 likelihoods is far below the smallest number, its logarithm is not.
 //!
@@ -93,7 +93,7 @@ impl<'a> PosesMut<'a> {
         parts.map(|((x, y), theta)| PosesMut { x, y, theta })
     }
 
-    /// Becomes the poses of `other` at `indices`, of which there are as many.
+    /// Takes the poses of `other` at `indices`, of which there are as many.
     pub(crate) fn copy_selected(self, other: Poses<'_>, indices: &[u32]) {
         let pick = |target: &mut [f64], from: &[f64]| {
             for (target, &index) in target.iter_mut().zip(indices) {
@@ -145,7 +145,7 @@ impl Particles {
         self.log_weight.push(log_weight);
     }
 
-    /// Takes all particles away; their memory is kept.
+    /// Removes all particles; their memory is kept.
     pub fn clear(&mut self) {
         for column in [&mut self.x, &mut self.y, &mut self.theta, &mut self.log_weight] {
             column.clear();
@@ -180,7 +180,7 @@ impl Particles {
         Pose2 { x: self.x[index], y: self.y[index], theta: self.theta[index] }
     }
 
-    /// Puts a particle elsewhere.
+    /// Sets the pose of one particle.
     ///
     /// # Panics
     /// Where there is no particle `index`.
@@ -188,12 +188,12 @@ impl Particles {
         (self.x[index], self.y[index], self.theta[index]) = (pose.x, pose.y, pose.theta);
     }
 
-    /// Puts `strangers` in the places of particles spread evenly over the particle set, which get the mean
-    /// weight; at most all of them.
-    pub fn replace_evenly(&mut self, strangers: &[Pose2]) {
+    /// Replaces particles evenly spread over the set by `others`, which get the mean weight; at
+    /// most all of them.
+    pub fn replace_evenly(&mut self, others: &[Pose2]) {
         let equal = -(self.len() as f64).ln();
-        let count = strangers.len().min(self.len());
-        for (number, stranger) in strangers.iter().take(count).enumerate() {
+        let count = others.len().min(self.len());
+        for (number, stranger) in others.iter().take(count).enumerate() {
             let index = number * self.len() / count;
             self.set_pose(index, *stranger);
             self.log_weight[index] = equal;
@@ -203,8 +203,8 @@ impl Particles {
         }
     }
 
-    /// Checks that there are as many weights as poses, poses are finite and weights no NaN: what
-    /// came from a file may be anything.
+    /// Checks that there are as many weights as poses, poses are finite and weights not NaN, as
+    /// for particles read from a file.
     ///
     /// # Errors
     /// [`loc_core::Error::Length`] and [`loc_core::Error::OutOfRange`].
@@ -246,7 +246,8 @@ impl Particles {
         (poses, &mut self.log_weight)
     }
 
-    /// Becomes the given poses with the given log weights, of which there are as many.
+    /// Replaces all particles by the given poses with the given log weights, of which there are as
+    /// many.
     pub(crate) fn refill(
         &mut self,
         poses: impl Iterator<Item = Pose2> + Clone,
@@ -288,21 +289,21 @@ impl Particles {
     /// Makes the weights add up to 1 and returns the logarithm of what they added up to before:
     /// after [`weigh`](crate::ParticleFilter::weigh), the logarithm of the mean likelihood.
     ///
-    /// Weights that are all 0, or infinite, say nothing about the particles: they become equal, and
-    /// the answer is -inf. A single weight that is not a number becomes 0.
+    /// Weights that are all 0, or infinite, become equal, and the result is -inf. A single weight
+    /// that is not a number becomes 0.
     pub fn normalize(&mut self) -> f64 {
         let workers = Workers::one();
         let mass = workers.add_up(self);
         workers.divide_by(self, &mass)
     }
 
-    /// How many particles of equal weight would carry as much information:
-    /// `(sum w)^2 / sum w^2`, between 1 and M; 0 where no weight is above 0.
+    /// How many particles of equal weight would carry as much information: `(sum w)^2 / sum w^2`,
+    /// between 1 and M; 0 where no weight is above 0.
     pub fn effective_sample_size(&self) -> f64 {
         Workers::one().add_up(self).effective_sample_size()
     }
 
-    /// Becomes the particles of `other` at `indices`, with equal weights.
+    /// Replaces all particles by those of `other` at `indices`, with equal weights.
     ///
     /// # Panics
     /// Where an index has no particle.
@@ -311,7 +312,7 @@ impl Particles {
         self.poses_mut().copy_selected(other.poses(), indices);
     }
 
-    /// Makes room for `count` particles of equal weights; their poses are whatever they are.
+    /// Makes room for `count` particles of equal weights; their poses are unspecified.
     pub(crate) fn resize(&mut self, count: usize) {
         for column in [&mut self.x, &mut self.y, &mut self.theta, &mut self.log_weight] {
             column.resize(count, 0.0);

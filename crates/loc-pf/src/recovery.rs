@@ -1,10 +1,9 @@
-//! Finding the robot again after it was carried off, or lost for another reason (A3).
+//! Recovery of a robot that was kidnapped or is lost for another reason (A3).
 //!
-//! A particle set that follows one place never looks at another by itself. [`AugmentedMcl`] replaces a
-//! share of it by particles from all over the map when scans fit worse than they used to.
-//! [`Suspicion`] is sharper: it weighs the evidence that the robot is where the particle set says against
-//! that of its being anywhere else, as a Bayes filter over these two, and calls for a global search
-//! only when the second gains ground.
+//! A particle set that tracks one pose does not find another by itself. [`AugmentedMcl`] replaces a
+//! share of it by particles from the whole map when scans fit worse than before. [`Suspicion`] is
+//! more selective: a Bayes filter over two states, the robot at the particles or anywhere else,
+//! which requires a global search only when the second becomes likely.
 //!
 //! ```
 //! use loc_pf::recovery::{AugmentedMcl, AugmentedSettings};
@@ -18,22 +17,21 @@
 use crate::Result;
 use loc_core::error::{in_range, positive, probability};
 
-// Is the robot where the particle set is, or anywhere else? A Bayes filter over the two.
-
 /// Settings of [`Suspicion`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct SuspicionSettings {
-    /// Probability that the robot is carried off, or lost, between two updates.
+    /// Probability that the robot is kidnapped, or lost, between two updates.
     pub rate: f64,
-    /// From this probability of being elsewhere on, a search is called for.
+    /// Probability of being elsewhere from which a search is required.
     pub alarm: f64,
     /// Share by which the usual evidence follows each update.
     pub adaptation: f64,
-    /// Extent of a place in the space of poses \[m^2 rad\]: about what a sharp scan leaves.
+    /// Volume of a pose candidate in the space of poses \[m^2 rad\]: about what a sharp scan
+    /// leaves.
     pub place: f64,
-    /// The most updates to wait after a search that found nothing better.
+    /// Maximum number of updates between a search without result and the next.
     pub longest_pause: u32,
 }
 
@@ -65,22 +63,22 @@ impl SuspicionSettings {
     }
 }
 
-/// How well a scan fits its place, in nats a beam: what is usual, and what chance achieves.
+/// Log-likelihood of a scan at the true pose \[nats per beam\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct UsualEvidence {
-    /// At the right place, before any experience.
+    /// Expected value, before the first scan.
     pub expected: f64,
-    /// At the right place at min; below it no experience of a changed world is believed.
+    /// Minimum: the running average of a changed world counts only down to this value.
     pub min: f64,
 }
 
-/// The probability that the robot is not where its particle set is.
+/// The probability that the robot is not at its particles.
 ///
-/// Every scan is evidence for the one and the other. That it is at the particle set: the mean likelihood
-/// of the scan over the predicted particle set. That it is anywhere else: a scan fits its own place about
-/// as well as the last ones fitted theirs, but there are many places, and their number counts
-/// against each of them.
+/// Every scan is evidence for both states. The evidence for the particles is the mean likelihood of
+/// the scan over the predicted particles. The evidence for anywhere else assumes that the scan fits
+/// its true pose about as well as the last scans fitted theirs, divided by the number of distinct
+/// poses in the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Suspicion {
@@ -90,10 +88,10 @@ pub struct Suspicion {
     recent: f64,
     expected: f64,
     min: f64,
-    /// How far below the usual evidence that of a new place may be, in nats a beam.
+    /// Tolerated drop of the recent evidence below the expected one \[nats per beam\].
     tolerance: f64,
-    /// ln(number of places in the map).
-    log_places: f64,
+    /// ln(number of distinct poses in the map).
+    log_poses: f64,
     /// ln(P(elsewhere) / P(here)).
     log_odds: f64,
     pause: u32,
@@ -104,17 +102,17 @@ pub struct Suspicion {
 const RECENT: f64 = 0.1;
 
 /// Odds beyond e^10 to either side would take too long to turn.
-const SUREST: f64 = 10.0;
+const MAX_LOG_ODDS: f64 = 10.0;
 
 impl Suspicion {
-    /// No suspicion yet, in a map with `area` \[m^2\] of free space.
+    /// The robot is at its particles, in a map with `area` \[m^2\] of free space.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`], see [`SuspicionSettings::validate`].
     pub fn new(settings: SuspicionSettings, usual: UsualEvidence, area: f64) -> Result<Self> {
         settings.validate()?;
         positive("free area [m^2]", area)?;
-        let places = (area * std::f64::consts::TAU / settings.place).max(1.0);
+        let poses = (area * std::f64::consts::TAU / settings.place).max(1.0);
         let UsualEvidence { expected, min } = usual;
         Ok(Suspicion {
             settings,
@@ -123,24 +121,26 @@ impl Suspicion {
             expected,
             min,
             tolerance: 0.6 * (expected - min),
-            log_places: places.ln(),
-            log_odds: -SUREST,
+            log_poses: poses.ln(),
+            log_odds: -MAX_LOG_ODDS,
             pause: 1,
             waiting: 0,
         })
     }
 
-    /// Takes in a scan: `log_evidence` is the logarithm of its mean likelihood over the predicted
-    /// particle set, as that of `beams` independent beams. Returns the probability of being elsewhere.
+    /// Updates with a scan: `log_evidence` is the logarithm of its mean likelihood over the
+    /// predicted particles, as that of `beams` independent beams. Returns the probability of being
+    /// elsewhere.
     pub fn update(&mut self, log_evidence: f64, beams: f64) -> f64 {
         self.waiting = self.waiting.saturating_sub(1);
         if beams <= 0.0 || log_evidence.is_nan() {
             return self.probability();
         }
-        let carried_off = self.probability() + self.settings.rate * (1.0 - self.probability());
-        let elsewhere = self.usual.max(self.min) * beams - self.log_places;
-        let odds = (carried_off / (1.0 - carried_off)).ln() + elsewhere - log_evidence;
-        self.log_odds = if odds.is_nan() { self.log_odds } else { odds.clamp(-SUREST, SUREST) };
+        let kidnapped = self.probability() + self.settings.rate * (1.0 - self.probability());
+        let elsewhere = self.usual.max(self.min) * beams - self.log_poses;
+        let odds = (kidnapped / (1.0 - kidnapped)).ln() + elsewhere - log_evidence;
+        self.log_odds =
+            if odds.is_nan() { self.log_odds } else { odds.clamp(-MAX_LOG_ODDS, MAX_LOG_ODDS) };
         if log_evidence.is_finite() {
             self.recent += RECENT * (log_evidence / beams - self.recent);
         }
@@ -156,16 +156,16 @@ impl Suspicion {
     }
 
     /// Whether to search the map now: the robot may be elsewhere, or scans have not fitted for some
-    /// time, and the last search in vain is long enough ago.
+    /// time, and the last search without result is long enough ago.
     pub fn is_alarmed(&self) -> bool {
         let doubtful = self.recent < self.expected - self.tolerance;
         self.waiting == 0 && (doubtful || self.probability() >= self.settings.alarm)
     }
 
-    /// A search, or what it found, came to nothing: the suspicion is dropped, and the next search
-    /// waits, longer from time to time. Where the robot is lost in any case, it does not wait.
-    pub fn put_off(&mut self, is_lost: bool) {
-        self.log_odds = -SUREST;
+    /// After a search without result: the log odds are reset, and the next search is postponed,
+    /// each time by twice as many updates. Where the robot is lost anyway, it is not postponed.
+    pub fn postpone(&mut self, is_lost: bool) {
+        self.log_odds = -MAX_LOG_ODDS;
         if is_lost {
             (self.pause, self.waiting) = (1, 1);
         } else {
@@ -174,14 +174,12 @@ impl Suspicion {
         }
     }
 
-    /// No suspicion any more: the particle set is where it was suspected to be missing.
+    /// Resets the log odds: the particles are where the robot was found.
     pub fn clear(&mut self) {
-        (self.log_odds, self.pause, self.waiting) = (-SUREST, 1, 4);
+        (self.log_odds, self.pause, self.waiting) = (-MAX_LOG_ODDS, 1, 4);
         self.recent = self.expected;
     }
 }
-
-// Augmented Monte Carlo localization: how many random particles the last scans call for.
 
 /// Settings of [`AugmentedMcl`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -239,8 +237,8 @@ impl AugmentedMcl {
         Ok(AugmentedMcl { settings, averages: None })
     }
 
-    /// Takes in `ln(mean likelihood of the particles)`; returns the share of the particle set to replace
-    /// by random particles, in \[0, 1\].
+    /// Updates with `ln(mean likelihood of the particles)`; returns the share of the particle set
+    /// to replace by random particles, in \[0, 1\].
     // ANCHOR: augmented
     pub fn update(&mut self, log_evidence: f64) -> f64 {
         if log_evidence.is_nan() {
@@ -256,7 +254,7 @@ impl AugmentedMcl {
     }
     // ANCHOR_END: augmented
 
-    /// Forgets the past, after the particle set was spread anew.
+    /// Resets the averages, after the particles were drawn anew.
     pub fn reset(&mut self) {
         self.averages = None;
     }

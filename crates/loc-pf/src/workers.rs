@@ -1,12 +1,12 @@
-//! Work on a particle set in parts, by one thread or several, with the same result.
+//! Work on particles in parts, by one thread or several, with the same result.
 //!
-//! The particle set is cut into parts of a fixed size, whatever the number of threads. Each part has a
-//! random stream of its own, and sums over the particle set are those of the parts, added up in their
-//! order: who works on a part, and when, changes nothing.
+//! Particles are divided into parts of a fixed size, whatever the number of threads. Each part has
+//! a random stream of its own, and sums over the particles are those of the parts, added up in
+//! their order: which thread works on a part, and when, changes nothing.
 //!
-//! A thread that has nothing to do falls asleep after some microseconds, and it takes as many to
-//! wake it. An update of the filter is a dozen loops, some shorter than that: so the whole update
-//! is handed over ([`Workers::within`]), and between its loops the threads stay awake.
+//! An idle thread goes to sleep after some microseconds, and waking it takes as many. An update of
+//! the filter is a dozen loops, some shorter than that: so the whole update runs in
+//! [`Workers::within`], and between its loops the threads stay awake.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -26,10 +26,10 @@ use crate::{Likelihood, Motion, Particles, Result};
 use loc_core::random::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Particles of one part: enough to keep a thread busy, few enough to stay in its fastest memory.
+/// Particles of one part: enough work for a thread, few enough for its first-level cache.
 pub(crate) const PART: usize = 512;
 
-/// The threads that work on a particle set; copies share them.
+/// The threads that work on particles; copies share them.
 #[derive(Debug, Clone, Default)]
 pub struct Workers {
     #[cfg(feature = "threads")]
@@ -75,7 +75,7 @@ impl Workers {
         1
     }
 
-    /// Runs `work` on one of the threads while the others wait for parts of it. Worth it around
+    /// Runs `work` on one of the threads while the others wait for parts of it. Faster around
     /// several short loops; the result is the same without.
     pub fn within<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         #[cfg(feature = "threads")]
@@ -85,7 +85,7 @@ impl Workers {
         work()
     }
 
-    /// Does both, on two threads where there are.
+    /// Runs both, on two threads where available.
     pub(crate) fn both<A: Send, B: Send>(
         &self,
         one: impl FnOnce() -> A + Send,
@@ -114,7 +114,7 @@ impl Workers {
         items.for_each(work);
     }
 
-    /// What `work` says of every item, in the order of the items.
+    /// The results of `work` for every item, in the order of the items.
     pub(crate) fn map<T: Send, A: Send + Default>(
         &self,
         items: impl ExactSizeIterator<Item = T> + Send,

@@ -213,7 +213,8 @@ impl TopBounds {
     }
 
     /// The next batch of windows: all those whose bound is within a range below what was handed out
-    /// and at least `threshold`, heading by heading. Every batch covers twice the range of the last.
+    /// and at least `threshold`, heading by heading. Every batch covers twice the range of the
+    /// last.
     pub(super) fn next_batch(&mut self, threshold: u32) -> Vec<Window> {
         let last = self.handed_out.saturating_sub(1);
         let first = self.handed_out.saturating_sub(self.slab).max((threshold >> self.lost) + 1);

@@ -162,7 +162,8 @@ impl GlobalSearch {
     }
 
     /// The likely poses of the robot whose scan ends at `endpoints`, given in the robot's frame,
-    /// best first. There may be fewer than [`candidates`](SearchSettings::candidates), or none where
+    /// best first. There may be fewer than [`candidates`](SearchSettings::candidates), or none
+    /// where
     /// [`least`](SearchSettings::least) says so.
     ///
     /// # Errors

@@ -2,13 +2,13 @@
 //! any idea of where it is (A2, A3).
 //!
 //! The likelihood field rates one pose. Rating all of them (every free cell at every degree) and
-//! keeping the best would be certain to find the robot, but a map of 100 m x 100 m has 10^9 poses. So
-//! poses are rated in groups: if every beam of the scan ended on the best cell that it can reach
+//! keeping the best would be certain to find the robot, but a map of 100 m x 100 m has 10^9 poses.
+//! So poses are rated in groups: if every beam of the scan ended on the best cell that it can reach
 //! while the robot stands anywhere in a square of 16 x 16 cells, how likely would the scan be? No
 //! pose in that square is better. Where even this is worse than a pose found elsewhere, the whole
-//! square is excluded; otherwise its 16 parts are rated, and theirs. This is branch and bound (Hess,
-//! Kohler, Rapp and Andor, "Real-time loop closure in 2D lidar SLAM", 2016; Olson, "Real-time
-//! correlative scan matching", 2009), here over the whole map and for several answers.
+//! square is excluded; otherwise its 16 parts are rated, and theirs. This is branch and bound
+//! (Hess, Kohler, Rapp and Andor, "Real-time loop closure in 2D lidar SLAM", 2016; Olson,
+//! "Real-time correlative scan matching", 2009), here over the whole map and for several answers.
 //!
 //! What is exact: poses have their position in the centre of a free cell and one of the evenly
 //! spaced headings, and the end of a beam counts for the cell that holds it, computed in double
@@ -33,6 +33,7 @@
 //! scans that were not used for the map, the best was within 0.3 m and 5 deg in 451 of
 //! 455 poses by one scan of 180 beams, in 454 of 454 by two and in 453 of 453 by three.
 //!
+//! [`LikelihoodField::log_likelihood`]: crate::LikelihoodField::log_likelihood
 //! [`Obstacles::Surfaces`]: crate::likelihood_field::Obstacles::Surfaces
 //!
 //! ```

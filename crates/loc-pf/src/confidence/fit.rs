@@ -10,11 +10,11 @@ use loc_sensors::laser::Beam;
 use loc_sensors::world::RangeWorld;
 use rand::Rng;
 
-/// What a scan says for and against the reported pose; all numbers are shares in \[0, 1\].
+/// Evidence of a scan for and against the reported pose; all numbers are shares in \[0, 1\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScanFit<'a> {
-    /// What the map explains of the scan at the reported pose: 1 where every beam ends on an
-    /// obstacle, 0 where all end far from any, by the mean logarithm of their likelihoods.
+    /// The share of the scan that the map explains at the reported pose: 1 where every beam ends on
+    /// an obstacle, 0 where all end far from any, by the mean logarithm of their likelihoods.
     pub here: f64,
     /// The same at random poses of the free space.
     pub elsewhere: &'a [f64],
@@ -29,7 +29,7 @@ pub struct ScanFit<'a> {
 /// Where fewer than this share is left to explain, a margin is not measurable.
 const MIN_ROOM: f64 = 0.05;
 
-/// Beams or poses that one thread looks at without a break.
+/// Beams or poses that a thread processes at a time.
 const TOGETHER: usize = 16;
 
 impl ScanFit<'_> {
@@ -52,7 +52,7 @@ impl ScanFit<'_> {
 pub struct ScanRater {
     walls: RayCaster,
     field: LikelihoodField,
-    /// The random poses, and one more place for the reported one.
+    /// The random poses, and one more element for the reported one.
     poses: Particles,
     shares: Vec<f64>,
 }
@@ -61,7 +61,7 @@ impl ScanRater {
     /// Random poses that a scan is rated at.
     pub const POSES: usize = 64;
 
-    /// The most beams of a scan that are looked at.
+    /// Maximum number of beams of a scan.
     pub const BEAMS: usize = 60;
 
     /// A beam counts as blocked when it ends this far behind a wall \[m\].
@@ -83,7 +83,7 @@ impl ScanRater {
         Ok(ScanRater { walls: RayCaster::new(map), field, poses, shares: Vec::new() })
     }
 
-    /// Rates what the lasers measured together; `None` where they measured nothing.
+    /// Rates the scans of all lasers; `None` without valid beams.
     pub fn rate(&mut self, reported: Pose2, scans: &[MountedScan<'_>]) -> Option<ScanFit<'_>> {
         self.rate_by(&Workers::one(), reported, scans)
     }

@@ -1,41 +1,39 @@
-//! Am I lost? The probability that the robot is not where its localizer says.
+//! The probability of being lost: that the robot is not at the estimated pose.
 //!
-//! A particle filter that converged at the wrong place looks like one at the right place: a tight
-//! particle set, a small covariance. What gives it away are the scans, which the map around the reported
-//! pose does not explain. [`LostMonitor`] weighs that up from update to update and states one
-//! number, which is meant to be taken at its word: of all the times that it says 0.3, the robot is
-//! lost three times in ten. "Lost" means farther than a stated distance or turn from the reported
-//! pose ([`Tolerance`]).
+//! A particle filter that converged to a wrong pose resembles one at the true pose: a compact
+//! particle set, a small covariance. The difference is in the scans, which the map around the
+//! reported pose does not explain. [`LostMonitor`] accumulates that evidence from update to update
+//! in one calibrated probability: of all updates with 0.3, the robot is lost in three of ten.
+//! "Lost" means farther than a stated distance or turn from the reported pose ([`Tolerance`]).
 //!
-//! Two things make a robot lost. The belief may be spread: then its own share near the reported
-//! pose ([`Tolerance::support`]) says how likely that is. Or the whole belief may be wrong, which
-//! only the scans show. Every scan shifts the log odds of that by
+//! There are two cases. The belief may be spread: then its own share near the reported pose
+//! ([`Tolerance::support`]) gives the probability. Or the whole belief may be wrong, which only the
+//! scans show. Every scan shifts the log odds of that by
 //!
 //! `bias - margin_weight m + blocked_weight ln(1 + b / 0.02) + near_weight ln(1 + n / 0.02)`.
 //!
 //! `m` is how much better the map explains the scan at the reported pose than at the best of some
-//! random poses: in a building that looks alike everywhere, a good fit means little. `b` is the
-//! share of beams that end behind a wall of the map, the strongest evidence of all: people and new
-//! furniture take away from `m` as a wrong pose does, but they make no beam longer. `n` is the
-//! share of beams that end near an obstacle but not on it: people stand anywhere, while a filter
-//! at a wrong place has chosen the pose there at which the walls fit more or less. From one update
-//! to the next, the share [`LostSettings::memory`] of the log odds stays: scans that follow each
-//! other tell much the same, and the robot may have been carried off. Together:
+//! random poses: in a repetitive building a good fit is weak evidence. `b` is the share of beams
+//! that end behind a wall of the map, the strongest evidence of all: people and new furniture
+//! reduce `m` as a wrong pose does, but they make no beam longer. `n` is the share of beams that
+//! end near an obstacle but not on it: people stand anywhere, while a filter at a wrong pose has
+//! converged to one at which the walls fit approximately. From one update to the next, the share
+//! [`LostSettings::memory`] of the log odds stays: successive scans are correlated, and the robot
+//! may have been kidnapped. Together:
 //!
 //! `P(lost) = 1 - (1 - P(wrong)) support^support_exponent`.
 //!
-//! This is a Bayes filter on two states (F5) whose evidence is tempered. How much, and what the
-//! evidence is worth, is not assumed but fitted to 960 simulated drives by maximum likelihood,
-//! which makes the number calibrated instead of just large or small. In buildings and with a laser
-//! that the fit has not seen, the mean difference between what is stated and what happens
-//! (expected calibration error) is 0.014 over a mixture of surroundings, from static to 40 % of
-//! the beams blocked by people. Within one kind of surroundings it is 0.03 to 0.07: where nothing
-//! ever changes, even a small misfit means more than stated, among crowds less. On the recording
-//! of the Intel laboratory, 96 % of the statements at the reference pose are below 0.05 and more
-//! than 99 % of those 1 m beside it are above 0.9.
+//! This is a Bayes filter on two states (F5) whose evidence is tempered. The exponents and weights
+//! are fitted to 960 simulated drives by maximum likelihood, which calibrates the probability. In
+//! buildings and with a laser that the fit has not seen, the mean difference between what is stated
+//! and what happens (expected calibration error) is 0.014 over a mixture of surroundings, from
+//! static to 40 % of the beams blocked by people. Within one kind of surroundings it is 0.03 to
+//! 0.07: where nothing ever changes, even a small misfit means more than stated, among crowds less.
+//! On the recording of the Intel laboratory, 96 % of the statements at the reference pose are below
+//! 0.05 and more than 99 % of those 1 m beside it are above 0.9.
 //!
-//! What it cannot know is how often robots get lost where it is used: in 6 of 10 updates of the fit
-//! they were. And it cannot tell two places apart that look the same to the laser.
+//! The prior rate of being lost is that of the fit: 6 of 10 updates. Two poses with the same scans
+//! cannot be distinguished.
 //!
 //! ```
 //! use loc_pf::confidence::{LostMonitor, LostSettings, ScanFit};
@@ -64,22 +62,22 @@ use loc_core::error::{finite, in_range, non_negative, positive};
 use loc_core::{Pose2, angle};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Keeps the probability that the belief is wrong, from update to update.
+/// The probability that the belief is wrong, updated with every scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LostMonitor {
     settings: LostSettings,
     /// ln(P(belief wrong) / P(belief right)).
     log_odds: f64,
-    /// What was reported last.
+    /// The probability reported last.
     probability: f64,
 }
 
-/// Odds beyond e^12 to either side are more than any fit can vouch for.
+/// Maximum log odds, either way.
 const SUREST: f64 = 12.0;
 
 impl LostMonitor {
-    /// A monitor that does not know whether the start is right: even odds.
+    /// A monitor with even odds that the start is right.
     ///
     /// # Errors
     /// Those of [`LostSettings::validate`].
@@ -93,8 +91,8 @@ impl LostMonitor {
         &self.settings
     }
 
-    /// Begins anew with the probability that the belief is wrong, for instance after a new start
-    /// pose was given. It fades as old scans do.
+    /// Restarts with a probability that the belief is wrong, for instance after a new initial pose.
+    /// Its influence decays as that of old scans.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for what is no probability.
@@ -114,7 +112,7 @@ impl LostMonitor {
         log_odds(self.probability)
     }
 
-    /// Takes in an update of the filter and returns the probability of being lost: how the scan
+    /// Processes an update of the filter and returns the probability of being lost: how the scan
     /// fits (`None` for an update without one), and the share of the belief near the reported pose
     /// ([`Tolerance::support`]).
     ///
@@ -136,9 +134,7 @@ fn log_odds(probability: f64) -> f64 {
     (probability / (1.0 - probability)).ln().clamp(-SUREST, SUREST)
 }
 
-// What "lost" means, and the constants of the fit.
-
-/// Settings of a [`LostMonitor`](LostMonitor).
+/// Settings of a [`LostMonitor`].
 ///
 /// The constants after `tolerance` belong together: they are the fit of the test
 /// `lost::fit_the_constants` to drives through simulated offices.
@@ -146,20 +142,20 @@ fn log_odds(probability: f64) -> f64 {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct LostSettings {
-    /// How far off the reported pose may be.
+    /// Maximum error of a reported pose that is not lost.
     pub tolerance: Tolerance,
     /// Share of the log odds that stays from one update to the next.
     pub memory: f64,
     /// Shift of the log odds by a scan that fits no better than at the best of the random poses,
     /// with no beam blocked or near.
     pub bias: f64,
-    /// How much a margin over the best of the random poses speaks against being lost.
+    /// Weight of the margin over the best of the random poses.
     pub margin_weight: f64,
-    /// How much blocked beams speak for it.
+    /// Weight of blocked beams.
     pub blocked_weight: f64,
-    /// How much beams that end near obstacles do.
+    /// Weight of beams that end near obstacles.
     pub near_weight: f64,
-    /// How much the belief's own spread counts beside the scans: 0 for not at all.
+    /// Exponent of the belief's own support: 0 for no influence.
     pub support_exponent: f64,
 }
 
@@ -207,9 +203,7 @@ impl LostSettings {
     }
 }
 
-// How far off a pose may be before it counts as lost.
-
-/// The largest error of a reported pose that is not yet called lost.
+/// Maximum error of a reported pose that does not count as lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -238,7 +232,7 @@ impl Tolerance {
         Ok(())
     }
 
-    /// Whether a pose is as close to the true one as this asks for.
+    /// Whether a pose is within the tolerance of the true one.
     pub fn holds(&self, reported: Pose2, truth: Pose2) -> bool {
         let (x, y) = (reported.x - truth.x, reported.y - truth.y);
         x * x + y * y <= self.distance * self.distance
@@ -246,8 +240,8 @@ impl Tolerance {
     }
 
     /// Share of the belief's weight within this tolerance of the reported pose: the probability
-    /// that the robot is not lost, as far as the particle set itself knows. The weights must be
-    /// normalised; 0 for a particle set without particles.
+    /// that the robot is not lost if the particles are right. The weights must be
+    /// normalised; 0 without particles.
     pub fn support(&self, particles: &Particles, reported: Pose2) -> f64 {
         Arch::new().dispatch(Support { tolerance: *self, particles, reported })
     }

@@ -1,14 +1,14 @@
-//! How much later than its stamp a robot was where its odometry says.
+//! Delay of odometry against scans: how much its stamps are late or early.
 //!
 //! Odometry and scans come from two computers or two drivers, each with a clock and a queue of its
-//! own. Stamps that are off by a tenth of a second do no harm to a robot that drives straight on,
-//! but when it starts to turn at 1 rad/s the two disagree by 6 degrees. The scans themselves show
-//! it: matching each with the one before tells how far the robot has turned, from walls alone and
+//! own. An error of the stamps of a tenth of a second is harmless while a robot drives straight,
+//! but when it starts to turn at 1 rad/s the two disagree by 6 degrees. The scans determine the
+//! delay: matching each with the one before measures the turn of the robot, from walls alone and
 //! without a map. [`DelayEstimator`] finds the delay at which the odometry has turned as far, over
-//! all pairs of scans with a turn that changes; where nothing but the stamps is wrong, this is
-//! known to a few milliseconds.
+//! all pairs of scans with a turn that changes; where only the stamps are wrong, it is accurate to
+//! a few milliseconds.
 //!
-//! A scan that takes a tenth of a second is matched as if it were made at once, which is true of
+//! A scan that takes a tenth of a second is matched as if it were instantaneous, at the time of
 //! its middle: half the time of a sweep after the stamp of its first beam is part of the answer.
 //!
 //! ```
@@ -47,12 +47,13 @@ use nalgebra::{Matrix2, Vector2};
 use outline::{Outline, Trace};
 use std::collections::VecDeque;
 
-/// Gathers odometry and scans, in the order of their stamps each, and finds the delay between them.
+/// Collects odometry and scans, each in the order of their stamps, and finds the delay between
+/// them.
 #[derive(Debug)]
 pub struct DelayEstimator {
     settings: DelaySettings,
     trace: Trace,
-    /// Scans whose odometry is not there yet.
+    /// Scans that wait for odometry.
     waiting: VecDeque<Stop>,
     before: Option<Stop>,
     turns: Vec<Turn>,
@@ -75,7 +76,7 @@ struct Turn {
     angle: f64,
 }
 
-/// A delay with what is known about it.
+/// A delay with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DelayEstimate {
     /// What has to be added to the stamps of the odometry \[s\]: negative for an odometry that
@@ -85,12 +86,12 @@ pub struct DelayEstimate {
     pub sigma: f64,
     /// How far the robot turned by its scans for each radian of its odometry.
     pub scale: f64,
-    /// Pairs of scans that it comes from.
+    /// Number of pairs of scans used.
     pub pairs: usize,
 }
 
 impl DelayEstimate {
-    /// A delay below this changes nothing \[s\].
+    /// A smaller delay is ignored \[s\].
     pub const MIN: f64 = 0.01;
 
     /// Whether there is a delay: at least [`DelayEstimate::MIN`], and three standard deviations.
@@ -100,18 +101,18 @@ impl DelayEstimate {
 }
 
 impl DelayEstimator {
-    /// An estimator that knows nothing yet.
+    /// An estimator without data.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for settings that are none.
+    /// [`loc_core::Error::OutOfRange`] for settings out of range.
     pub fn new(settings: DelaySettings) -> Result<Self> {
         settings.validate()?;
         let (trace, waiting) = (Trace::default(), VecDeque::new());
         Ok(DelayEstimator { settings, trace, waiting, before: None, turns: Vec::new() })
     }
 
-    /// Takes in a pose of the odometry \[s\]. What is not finite or not after the one before is
-    /// passed over.
+    /// Adds a pose of the odometry at a time \[s\]. Poses that are not finite or not after the one
+    /// before are ignored.
     pub fn odometry(&mut self, stamp: f64, pose: Pose2) {
         self.trace.push(stamp, pose);
         while self.waiting.front().is_some_and(|scan| stamp >= scan.stamp + self.settings.longest) {
@@ -121,8 +122,8 @@ impl DelayEstimator {
         }
     }
 
-    /// Takes in a scan \[s\] of a laser at `mounting` (`base_from_laser`). Scans that cannot be
-    /// any and those not after the one before are passed over.
+    /// Adds a scan at a time \[s\] of a laser at `mounting` (`base_from_laser`). Scans that are not
+    /// valid or not after the one before are ignored.
     pub fn scan(&mut self, stamp: f64, scan: &LaserScan, mounting: Pose2) {
         let last = self.waiting.back().or(self.before.as_ref()).map(|stop| stop.stamp);
         let is_soon = last.is_some_and(|last| stamp < last + self.settings.shortest_step);
@@ -133,13 +134,13 @@ impl DelayEstimator {
         self.waiting.push_back(Stop { stamp, outline, mounting });
     }
 
-    /// Whether there are as many pairs of scans as the settings ask for.
+    /// Whether the maximum number of pairs of scans is reached.
     pub fn has_enough(&self) -> bool {
         self.turns.len() >= self.settings.pairs
     }
 
-    /// Matches a scan with the one before, where the odometry turns by a rate that changes
-    /// thereabouts: nothing else tells a delay.
+    /// Matches a scan with the one before, where the rate of turn of the odometry
+    /// changes nearby: only such pairs determine a delay.
     fn pair(&mut self, scan: Stop) {
         let before = self.before.replace(scan);
         let (Some(before), Some(scan)) = (before, &self.before) else { return };
@@ -160,31 +161,29 @@ impl DelayEstimator {
         self.turns.extend(angle.map(|angle| Turn { from, to, angle }));
     }
 
-    /// The delay by what has come in so far; `None` while too few scans with a changing turn could
+    /// The delay from the data so far; `None` while too few scans with a changing turn could
     /// be matched.
     pub fn estimate(&self) -> Option<DelayEstimate> {
         fit(&self.turns, &self.trace, self.settings.longest)
     }
 }
 
-// What a delay is looked for in.
-
-/// Settings of [`DelayEstimator`](DelayEstimator); the defaults suit robots that turn at
+/// Settings of [`DelayEstimator`]; the defaults suit robots that turn at
 /// walking pace and scanners of 5 Hz and more.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DelaySettings {
-    /// Longest delay, either way \[s\].
+    /// Maximum delay, either way \[s\].
     pub longest: f64,
-    /// Scans sooner after the one before are passed over \[s\].
+    /// Scans sooner after the one before are ignored \[s\].
     pub shortest_step: f64,
     /// Scans later after the one before are not matched with it \[s\].
     pub longest_step: f64,
-    /// Least change of the rate of turn around a pair of scans that is worth matching them
+    /// Minimum change of the rate of turn around a pair of scans for matching them
     /// \[rad/s\].
     pub change_of_rate: f64,
-    /// Most points of a scan that are matched.
+    /// Maximum number of points of a scan.
     pub points: usize,
-    /// Most pairs of scans.
+    /// Maximum number of pairs of scans.
     pub pairs: usize,
 }
 
@@ -217,10 +216,8 @@ impl DelaySettings {
     }
 }
 
-// The delay at which odometry and scans have turned alike.
-
-/// Fewest pairs of scans.
-const FEWEST: usize = 10;
+/// Minimum number of pairs of scans.
+const MIN_PAIRS: usize = 10;
 
 /// Steps of the search \[s\].
 const STEP: f64 = 0.01;
@@ -228,10 +225,10 @@ const STEP: f64 = 0.01;
 /// How far a turn by two scans and one by odometry differ where the delay is right \[rad\].
 const NOISE: f64 = 0.005;
 
-/// The odometry's scale is believed within these.
+/// Bounds of the odometry's scale.
 const SCALES: [f64; 2] = [0.7, 1.4];
 
-/// What stamps and interpolation leave of an uncertainty \[s\].
+/// Uncertainty from stamps and interpolation \[s\].
 const FLOOR: f64 = 0.002;
 
 fn fit(turns: &[Turn], trace: &Trace, longest: f64) -> Option<DelayEstimate> {
@@ -240,7 +237,7 @@ fn fit(turns: &[Turn], trace: &Trace, longest: f64) -> Option<DelayEstimate> {
         turned(longest).is_some() && turned(-longest).is_some()
     };
     let turns: Vec<Turn> = turns.iter().filter(covered).copied().collect();
-    if turns.len() < FEWEST {
+    if turns.len() < MIN_PAIRS {
         return None;
     }
     let count = (2.0 * longest / STEP).round() as i32;

@@ -22,21 +22,21 @@ struct OutlinePoint {
 /// Points of two scans belong together within this at first, and at the end \[m\].
 const REACH: [f64; 2] = [0.3, 0.1];
 
-/// How far a point that lies on its wall is off \[m\].
+/// Standard deviation of a point from its wall \[m\].
 const NOISE: f64 = 0.03;
 
-/// Fewest points that tell a turn.
-const FEWEST: usize = 20;
+/// Minimum number of points for a turn.
+const MIN_POINTS: usize = 20;
 
 /// Steps of the iteration, and a step that ends it \[m or rad\].
 const STEPS: usize = 20;
 const CLOSE: f64 = 1e-5;
 
 impl Outline {
-    /// At most `most` of the beams that returned.
-    pub(super) fn of(scan: &LaserScan, most: usize) -> Self {
+    /// At most `max` of the beams with a return.
+    pub(super) fn of(scan: &LaserScan, max: usize) -> Self {
         let returned = |beam: &Beam| beam.range < scan.range_max;
-        let beams: Vec<Beam> = scan.thinned(most).into_iter().filter(returned).collect();
+        let beams: Vec<Beam> = scan.thinned(max).into_iter().filter(returned).collect();
         let ends: Vec<_> = beams.iter().map(|beam| beam.point()).collect();
         let normal = |k: usize| {
             let (before, after) = (k.checked_sub(1)?, k + 1);
@@ -57,9 +57,9 @@ impl Outline {
     }
 
     /// How far the laser has turned since an earlier scan \[rad\], from a guess of its motion:
-    /// points are brought to the walls of the earlier scan, by weighted least squares of their
+    /// points are brought to the walls of the earlier scan, by weighted min squares of their
     /// distances from them (A. Censi, "An ICP variant using a point-to-line metric", 2008). `None`
-    /// where the two do not fit, or show nothing that tells a turn.
+    /// where the two do not fit, or do not determine a turn.
     pub(super) fn turn_since(&self, earlier: &Outline, guess: Pose2) -> Option<f64> {
         let mut motion = guess;
         let mut reach = REACH[0];
@@ -84,7 +84,7 @@ impl Outline {
         motion: Pose2,
         reach: f64,
     ) -> Option<(Matrix3<f64>, Vector3<f64>)> {
-        // Where walls leave a direction open, the guess stays.
+        // Where walls do not determine a direction, the guess stays.
         let mut information = Matrix3::from_diagonal(&Vector3::new(1e-3, 1e-3, 1e-6));
         let (mut gradient, mut count) = (Vector3::zeros(), 0);
         for point in &self.points {
@@ -98,7 +98,7 @@ impl Outline {
             gradient += weight * residual * jacobian;
             count += 1;
         }
-        (count >= FEWEST).then_some((information, gradient))
+        (count >= MIN_POINTS).then_some((information, gradient))
     }
 
     /// The point on a wall nearest to another within a reach, with its normal: it lies within the
@@ -108,11 +108,11 @@ impl Outline {
         let window = if reach < range { (reach / range).asin() } else { PI };
         let first = self.points.partition_point(|point| point.bearing < bearing - window);
         let (count, mut best) = (self.points.len(), None);
-        let mut least = reach * reach;
+        let mut min = reach * reach;
         let mut look = |point: &OutlinePoint| {
             let squared = (point.end - end).norm_squared();
-            if let Some(normal) = point.normal.filter(|_| squared < least) {
-                least = squared;
+            if let Some(normal) = point.normal.filter(|_| squared < min) {
+                min = squared;
                 best = Some((point.end, normal));
             }
         };
@@ -131,16 +131,14 @@ impl Outline {
     }
 }
 
-// The odometry as a function of time.
-
-/// Poses of the odometry, with headings that run on beyond a full turn.
+/// The odometry as a function of time: poses with unwrapped headings.
 #[derive(Debug, Default)]
 pub(super) struct Trace {
     stamps: Vec<f64>,
     poses: Vec<Pose2>,
 }
 
-/// No gap longer than this is bridged \[s\].
+/// Maximum gap that is interpolated \[s\].
 const LONGEST_GAP: f64 = 0.5;
 
 impl Trace {
@@ -177,18 +175,18 @@ impl Trace {
         Some(self.pose(to)?.theta - self.pose(from)?.theta)
     }
 
-    /// The difference between the greatest and the least rate of turn in a time \[rad/s\]; `None`
+    /// The difference between the maximum and the minimum rate of turn in a time \[rad/s\]; `None`
     /// where the odometry does not cover it.
     pub(super) fn change_of_rate(&self, from: f64, to: f64) -> Option<f64> {
         /// Rates are means over this \[s\].
         const OVER: f64 = 0.1;
         let count = ((to - from) / OVER).floor() as usize;
-        let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
         for k in 0..count {
             let start = from + k as f64 * OVER;
             let rate = self.turn(start, start + OVER)? / OVER;
-            (least, greatest) = (least.min(rate), greatest.max(rate));
+            (min, max) = (min.min(rate), max.max(rate));
         }
-        (count > 0).then_some(greatest - least)
+        (count > 0).then_some(max - min)
     }
 }

@@ -1,9 +1,9 @@
-//! What a particle set says about the pose: mean, covariance, and the clusters it falls into.
+//! The estimate of the pose from particles: mean, covariance, and clusters.
 //!
-//! A particle filter believes in many poses at once; a robot needs one to act on. While the particle set
-//! is a single heap, its mean and covariance ([`moments`]) say all. When the robot may be in any
-//! of three rooms that look alike, the mean of all particles lies in none of them: then the
-//! clusters ([`Clusterer`]) are the hypotheses, each with its share, and the heaviest is reported.
+//! A particle filter represents many poses; a robot needs one to act on. While the particles are a
+//! single cluster, their mean and covariance ([`moments`]) suffice. When the robot may be in any of
+//! three similar rooms, the mean of all particles lies in none of them: then the clusters
+//! ([`Clusterer`]) are the hypotheses, each with its share, and the heaviest is reported.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -28,25 +28,25 @@ use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
-/// What a particle set says about the pose.
+/// The estimate of the pose from particles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// The pose to act on, over (x, y, theta) \[m, m, rad\]: mean and covariance of the heaviest
-    /// cluster, or of the whole particle set where [`ClusterSettings::pose`] says so.
+    /// cluster, or of all particles by [`ClusterSettings::pose`].
     pub belief: Gaussian<3>,
-    /// All clusters, the heaviest first; none for a particle set without particles.
+    /// All clusters, the heaviest first; none without particles.
     pub clusters: Vec<Cluster>,
 }
 
 impl Estimate {
-    /// Share of the heaviest cluster; 0 for a particle set without particles.
+    /// Share of the heaviest cluster; 0 without particles.
     pub fn share(&self) -> f64 {
         self.clusters.first().map_or(0.0, |cluster| cluster.share)
     }
 }
 
 impl Clusterer {
-    /// Clusters a particle set and takes the pose from it.
+    /// Clusters particles and estimates the pose from them.
     pub fn estimate(&mut self, particles: &Particles) -> Estimate {
         let clusters = self.clusters(particles);
         let heaviest = clusters.first().map(|cluster| cluster.belief);
@@ -58,18 +58,16 @@ impl Clusterer {
     }
 }
 
-// Mean and covariance of a weighted particle set.
-
 /// Weighted mean and covariance of all particles.
 ///
 /// The mean heading is the direction of the sum of the unit vectors (circular mean); deviations
-/// from it are wrapped, so that a particle set about +-pi is as narrow as any other. Weights need not add
-/// up to 1.
+/// from it are wrapped, so that a particle set about +-pi is as narrow as any other. Weights need
+/// not add up to 1.
 ///
 /// Where that sum vanishes (headings evenly all round, two opposite ones), no heading is better
-/// than another: the mean is then 0 with the variance of a heading that is not known at all,
-/// pi^2 / 3, uncorrelated with the position. Particles that are not finite count for nothing; a
-/// particle set without any others has the mean 0, no spread in position and an unknown heading.
+/// than another: the mean is then 0 with the variance of an unknown heading, pi^2 / 3, uncorrelated
+/// with the position. Particles that are not finite do not count; a particle set without any others
+/// has the mean 0, no spread in position and an unknown heading.
 ///
 /// ```
 /// use loc_core::Pose2;
@@ -192,7 +190,7 @@ impl Sums for SecondLanes {
     }
 }
 
-/// Sums that the mean is made of.
+/// Sums for the mean.
 #[derive(Debug, Clone, Copy, Default)]
 struct FirstSums {
     weight: f64,
@@ -250,7 +248,7 @@ struct Center {
     directed: bool,
 }
 
-/// Sums that the covariance is made of.
+/// Sums for the covariance.
 #[derive(Debug, Clone, Copy, Default)]
 struct SecondSums {
     xx: f64,
@@ -298,9 +296,6 @@ impl SecondSums {
     }
 }
 
-// Sines and cosines of many headings: without branches and calls, so that several are worked out
-// by one instruction.
-
 /// Added to a number and taken off again, it leaves the nearest whole number, whose last bits are
 /// those of the sum.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
@@ -308,7 +303,8 @@ const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// A quarter turn in two parts, of which the first has few digits: its multiples are exact.
 const QUARTER: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
 
-/// Sine and cosine of a heading \[rad\], within 2e-15 for headings of a few turns.
+/// Sine and cosine of a heading \[rad\], within 2e-15 for headings of a few turns. Without branches
+/// and calls, so that several are computed by one instruction.
 #[inline(always)]
 fn sin_cos(theta: f64) -> (f64, f64) {
     let rounded = theta * FRAC_2_PI + ROUNDER;
@@ -339,13 +335,10 @@ fn wrapped(angle: f64) -> f64 {
     angle - TAU * ((angle * (1.0 / TAU) + ROUNDER) - ROUNDER)
 }
 
-// Which particles count at all, and several of them at a time.
+/// Bound of coordinates \[m\] and headings \[rad\]; numbers beyond it, or NaN, are not a pose.
+const MAX_COORDINATE: f64 = 1e9;
 
-/// Farther from the origin than any map reaches \[m\]; what lies beyond, or is not a number, is no
-/// pose.
-const FARTHEST: f64 = 1e9;
-
-/// How many particles are worked on together.
+/// Number of particles processed together.
 const LANES: usize = 8;
 
 /// Coordinates or weights of that many particles.
@@ -354,17 +347,17 @@ type Lanes = [f64; LANES];
 /// Whether three numbers can be a pose.
 #[inline(always)]
 fn is_pose(x: f64, y: f64, theta: f64) -> bool {
-    (x.abs() < FARTHEST) & (y.abs() < FARTHEST) & (theta.abs() < FARTHEST)
+    (x.abs() < MAX_COORDINATE) & (y.abs() < MAX_COORDINATE) & (theta.abs() < MAX_COORDINATE)
 }
 
-/// What is added up over particles, several at a time.
+/// Sums over particles, several at a time.
 trait Sums {
-    /// Takes in some particles; implementations are inlined into a vectorised loop.
+    /// Adds some particles; implementations are inlined into a vectorised loop.
     fn add(&mut self, x: &Lanes, y: &Lanes, theta: &Lanes, weight: &Lanes);
 }
 
-/// Adds up particles a few at a time; what is no pose counts as the origin with weight 0, and so do
-/// the fillers at the end.
+/// Adds up particles a few at a time; what is no pose counts as the origin with weight 0, as
+/// does the padding at the end.
 #[inline(always)]
 fn add_all(sums: &mut impl Sums, poses: Poses<'_>, weights: &[f64]) {
     let (xs, last_x) = poses.x.as_chunks::<LANES>();

@@ -1,24 +1,25 @@
-//! FastSLAM 2.0: particles that each draw a map of their own (I2 to I4).
+//! FastSLAM 2.0: particles with a map each (I2 to I4).
 //!
-//! EKF-SLAM keeps the covariance of everything with everything, and makes up its mind once about
-//! each observation. FastSLAM splits the question: *if the robot's way were known*, the landmarks
-//! would have nothing to do with each other, and each would need but a Kalman filter of two
-//! numbers. So a particle is one way that the robot may have come, with the map that goes with it;
-//! a particle whose map fits what is seen has many children, others have none. Each decides for
-//! itself which landmark it has seen, and those that were wrong die out.
+//! EKF-SLAM keeps the full covariance of robot and landmarks, and makes one decision on the
+//! association of each observation. FastSLAM factors the posterior: *given the path of the robot*,
+//! the landmarks are independent, and each needs only a Kalman filter of two numbers. So a particle
+//! is a hypothesis of the path, with the map that belongs to it; resampling copies particles whose
+//! map fits the observations. Each particle has its own data association, and those with a wrong
+//! one are resampled away.
 //!
 //! Version 2.0 (Montemerlo, Thrun, Koller and Wegbreit 2003) draws the new pose not from odometry
 //! alone, but from odometry and observations together. For a particle whose pose has mean `x` and
 //! covariance `P` since it was drawn last, and an observation `z` of a landmark of covariance `S`,
 //!
 //! ```text
-//! L = G_s P G_s^T + G_m S G_m^T + R        how far z may be from its expectation
+//! L = G_s P G_s^T + G_m S G_m^T + R        covariance of the innovation z - h
 //! K = P G_s^T L^-1                         x' = x + K (z - h),  P' = P - K L K^T
 //! weight *= N(z; h, L)                     pose ~ N(x', P')
 //! ```
 //!
-//! one observation after the other, and the landmarks are corrected from the pose that was drawn. So
-//! precise observations do not kill all particles but a few: they are where the observations are.
+//! one observation after the other, and the landmarks are corrected from the pose that was drawn.
+//! So precise observations do not leave few effective particles: all are drawn where the
+//! observations are likely.
 //!
 //! [`FastSlam`] takes steps; [`FastSlamLocalizer`] around it takes stamped inputs as they come.
 //!
@@ -59,16 +60,16 @@ use loc_filters::localizer::Outcome;
 use loc_filters::slam::{Identities, MapLandmark};
 use loc_sensors::landmark_camera::LandmarkObservation;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-use observation::{Place, View};
-use particle::{Knowledge, Particle, Report};
+use observation::{Located, View};
+use particle::{Context, Particle, Report};
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
 
 /// The variance of the heading \[rad^2\] up to which a drive without observations is taken for a
 /// normal distribution; beyond, the poses are drawn.
-const WIDEST_HEADING: f64 = 0.01;
+const MAX_HEADING_VARIANCE: f64 = 0.01;
 
-/// Particles over the robot's way, each with a map of its own, in the frame of the start.
+/// Particles over the path of the robot, each with a map of its own, in the frame of the start.
 ///
 /// Copies of the filter, as of its particles, share all landmarks that they have in common.
 #[derive(Debug, Clone)]
@@ -82,7 +83,7 @@ pub struct FastSlam {
     log_weights: Vec<f64>,
     /// The particle that had the largest weight when weights were last different.
     best: usize,
-    /// Slot of each number that is read off landmarks.
+    /// Slot of each landmark number.
     numbers: BTreeMap<u32, usize>,
     view: View,
     moment: u64,
@@ -93,7 +94,7 @@ pub struct FastSlam {
 
 impl FastSlam {
     /// A filter without landmarks, from a belief over (x, y, theta) \[m, m, rad\]. The start may be
-    /// certain: then it is the origin that the maps are drawn from.
+    /// certain: then it is the origin of the maps.
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief or settings that are not valid, [`crate::Error::Threads`].
@@ -125,12 +126,12 @@ impl FastSlam {
         &self.settings
     }
 
-    /// Motions and corrections so far.
+    /// Number of motions and corrections so far.
     pub fn step(&self) -> u64 {
         self.step
     }
 
-    /// Drives on with velocity `twist` for `dt` \[s\]. Nothing is drawn before something is seen.
+    /// Predicts with velocity `twist` over `dt` \[s\]. Poses are drawn with the next observations.
     ///
     /// # Errors
     /// [`loc_filters::Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a
@@ -154,7 +155,11 @@ impl FastSlam {
         for (particle, belief) in self.particles.iter_mut().zip(driven) {
             particle.belief = belief;
         }
-        if self.particles.iter().any(|particle| particle.belief.covariance.m33 > WIDEST_HEADING) {
+        if self
+            .particles
+            .iter()
+            .any(|particle| particle.belief.covariance.m33 > MAX_HEADING_VARIANCE)
+        {
             let normals = self.normals();
             let pairs = self.particles.iter_mut().zip(&normals);
             pairs.for_each(|(particle, normals)| particle.draw(normals));
@@ -178,11 +183,11 @@ impl FastSlam {
         particles
     }
 
-    /// Corrects with all observations of one moment, any number of them, and says what became of each
-    /// in the eyes of the particle that they suit best.
+    /// Corrects with all observations of one time, any number of them. Returns an outcome for each,
+    /// that of the particle with the largest weight.
     ///
-    /// LandmarkObservations are taken in groups of [`AssociationSettings::GROUP`]; the poses are drawn with
-    /// the first group, and the others weigh them.
+    /// Observations are processed in groups of [`AssociationSettings::GROUP`]; the poses are drawn
+    /// with the first group, and the others weight them.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for an observation that is not finite or has a negative range:
@@ -192,7 +197,7 @@ impl FastSlam {
         Ok(self.take_in(observations)?)
     }
 
-    fn take_in(
+    fn update(
         &mut self,
         observations: &[LandmarkObservation],
     ) -> loc_filters::Result<Vec<Outcome>> {
@@ -206,22 +211,22 @@ impl FastSlam {
         self.step += 1;
         let mut outcomes = Vec::with_capacity(observations.len());
         for group in observations.chunks(AssociationSettings::GROUP) {
-            self.register(group);
-            outcomes.extend(self.take_in_group(group)?);
+            self.include(group);
+            outcomes.extend(self.update_group(group)?);
         }
-        self.tidy();
+        self.prune();
         self.resample();
         Ok(outcomes)
     }
 
-    /// Widens the view by what is seen, and gives slots to new numbers.
-    fn register(&mut self, group: &[LandmarkObservation]) {
+    /// Extends the view by the observations, and assigns slots to new numbers.
+    fn include(&mut self, group: &[LandmarkObservation]) {
         for seen in group {
             // Distance and direction do not depend on where the robot is.
-            let Some(place) = Place::new(&self.settings, Pose2::IDENTITY, seen.sight) else {
+            let Some(located) = Located::new(&self.settings, Pose2::IDENTITY, seen.sight) else {
                 continue;
             };
-            self.view.include(&place);
+            self.view.include(&located);
             let slot = self.numbers.len();
             let numbered = self.settings.identities == Identities::Known;
             if numbered && slot < self.settings.map.max_landmarks {
@@ -230,17 +235,17 @@ impl FastSlam {
         }
     }
 
-    fn take_in_group(
+    fn update_group(
         &mut self,
         group: &[LandmarkObservation],
     ) -> loc_filters::Result<Vec<Outcome>> {
         let normals = self.normals();
         let mut particles = std::mem::take(&mut self.particles);
-        let parts = particles.chunks_mut(TOGETHER).zip(normals.chunks(TOGETHER));
-        let knowledge = self.knowledge();
+        let parts = particles.chunks_mut(CHUNK).zip(normals.chunks(CHUNK));
+        let context = self.context();
         let reports = self.workers.map(parts, |(particles, normals)| {
             let both = particles.iter_mut().zip(normals);
-            both.map(|(particle, normals)| particle.take_in(&knowledge, group, normals)).collect()
+            both.map(|(particle, normals)| particle.update(&context, group, normals)).collect()
         });
         self.particles = particles;
         let reports: Vec<Report> =
@@ -248,12 +253,12 @@ impl FastSlam {
         for (weight, report) in self.log_weights.iter_mut().zip(&reports) {
             *weight += report.log_likelihood;
         }
-        self.weigh();
+        self.normalize();
         Ok(reports.into_iter().nth(self.best).map(|report| report.outcomes).unwrap_or_default())
     }
 
-    fn knowledge(&self) -> Knowledge<'_> {
-        Knowledge {
+    fn context(&self) -> Context<'_> {
+        Context {
             settings: &self.settings,
             gate: self.gate,
             new_landmark_gate: self.new_landmark_gate,
@@ -265,9 +270,9 @@ impl FastSlam {
         }
     }
 
-    /// Makes the weights add up to 1; weights that say nothing become equal. The best particle is
+    /// Makes the weights add up to 1; weights that are all 0 become equal. The best particle is
     /// the first of those with the largest.
-    fn weigh(&mut self) {
+    fn normalize(&mut self) {
         match Mass::of(&self.log_weights).log_sum() {
             Some(sum) => divide(&mut self.log_weights, sum),
             None => self.log_weights.fill(-(self.particles.len() as f64).ln()),
@@ -277,20 +282,20 @@ impl FastSlam {
         self.best = largest.map_or(0, |(index, _)| index);
     }
 
-    /// Without numbers, a landmark may be one that was never there.
-    fn tidy(&mut self) {
+    /// With unknown data association, removes false landmarks and weights by missed ones.
+    fn prune(&mut self) {
         if self.settings.identities == Identities::Unknown {
             let mut particles = std::mem::take(&mut self.particles);
-            let knowledge = self.knowledge();
+            let context = self.context();
             let missed: Vec<Vec<f64>> =
-                self.workers.map(particles.chunks_mut(TOGETHER), |particles| {
-                    particles.iter_mut().map(|particle| particle.tidy(&knowledge)).collect()
+                self.workers.map(particles.chunks_mut(CHUNK), |particles| {
+                    particles.iter_mut().map(|particle| particle.prune(&context)).collect()
                 });
             self.particles = particles;
             for (weight, missed) in self.log_weights.iter_mut().zip(missed.iter().flatten()) {
                 *weight += missed;
             }
-            self.weigh();
+            self.normalize();
         }
     }
 
@@ -304,7 +309,7 @@ impl FastSlam {
         let mut drawn = Vec::new();
         self.settings.resampling.draw(&self.log_weights, count, &mut self.rng, &mut drawn);
         let parents = drawn.iter().map(|&parent| parent as usize);
-        // The best one has the largest share, but a roulette may pass it over.
+        // The best one has the largest share, but multinomial resampling may not draw it.
         let best = parents.clone().position(|parent| parent == self.best);
         let children = parents.filter_map(|parent| self.particles.get(parent).cloned());
         self.particles = children.collect();
@@ -312,11 +317,11 @@ impl FastSlam {
         self.best = best.unwrap_or(0);
     }
 
-    /// What the filter believes about the robot's pose: mean and covariance of all particles, each
-    /// with what odometry leaves open since its pose was drawn.
+    /// The estimate of the pose: mean and covariance over all particles, each with its covariance
+    /// by odometry since its pose was drawn.
     ///
     /// # Errors
-    /// [`loc_filters::Error::LostPositivity`] for a covariance that is none, with the step.
+    /// [`loc_filters::Error::LostPositivity`] for a covariance that is not positive, with the step.
     pub fn pose(&self) -> Result<Gaussian<3>> {
         Ok(self.belief()?)
     }
@@ -341,18 +346,20 @@ impl FastSlam {
         Ok(belief)
     }
 
-    /// The landmarks. With numbers, mean and covariance over the particles that have each, of
-    /// landmarks that most have. Without numbers no particle's landmarks can be told by those of
-    /// another: then they are those of the particle with the largest weight, and their covariances
-    /// are small, as if the way that it came were the true one.
+    /// The landmarks. With known data association, mean and covariance over the particles that have
+    /// each, of landmarks that the majority has. With unknown association the landmarks of
+    /// different particles do not correspond: then they are those of the particle with the largest
+    /// weight, and their covariances are small, conditional on its path.
     ///
     /// # Errors
-    /// [`loc_filters::Error::LostPositivity`] where the covariance of one is none.
+    /// [`loc_filters::Error::LostPositivity`] where the covariance of one is not positive.
     pub fn landmarks(&self) -> Result<Vec<MapLandmark>> {
         let mut landmarks = Vec::new();
         if self.settings.identities == Identities::Unknown {
-            self.particles[self.best].map.visit(&mut |_, mark| {
-                let landmark_map::Mark { id, position, observations, confirmed, .. } = *mark;
+            self.particles[self.best].map.visit(&mut |_, estimate| {
+                let landmark_map::LandmarkEstimate {
+                    id, position, observations, confirmed, ..
+                } = *estimate;
                 landmarks.push(MapLandmark { id, position, observations, confirmed });
             });
         } else {
@@ -368,7 +375,7 @@ impl FastSlam {
         Ok(landmarks)
     }
 
-    /// A numbered landmark over all particles; `None` where most have none.
+    /// A landmark of known number over all particles; `None` where the majority does not have it.
     fn mixed(&self, id: u32, slot: usize) -> Option<MapLandmark> {
         let weighted = || {
             let all = self.particles.iter().zip(&self.log_weights);
@@ -378,18 +385,19 @@ impl FastSlam {
         if total <= 0.5 {
             return None;
         }
-        let mean: Vector2<f64> = weighted().map(|(mark, w)| mark.position.mean * (w / total)).sum();
+        let mean: Vector2<f64> =
+            weighted().map(|(estimate, w)| estimate.position.mean * (w / total)).sum();
         let covariance: Matrix2<f64> = weighted()
-            .map(|(mark, w)| {
-                let d = mark.position.mean - mean;
-                (mark.position.covariance + d * d.transpose()) * (w / total)
+            .map(|(estimate, w)| {
+                let d = estimate.position.mean - mean;
+                (estimate.position.covariance + d * d.transpose()) * (w / total)
             })
             .sum();
         let confirmed: f64 = weighted().filter(|(m, _)| m.confirmed).map(|(_, w)| w).sum();
         Some(MapLandmark {
             id,
             position: Gaussian { mean, covariance },
-            observations: weighted().map(|(mark, _)| mark.observations).max()?,
+            observations: weighted().map(|(estimate, _)| estimate.observations).max()?,
             confirmed: confirmed > 0.5 * total,
         })
     }
@@ -403,14 +411,10 @@ fn finite_twist(twist: Twist2) -> loc_filters::Result<()> {
     Err(loc_filters::Error::NotFinite { what: "velocity", found })
 }
 
-// The correction: every particle takes the observations in, and good particles have children.
+/// Particles that a thread updates at a time.
+const CHUNK: usize = 8;
 
-/// Particles that one thread takes at a time.
-const TOGETHER: usize = 8;
-
-// What the particles believe together.
-
-/// Refuses a belief that has lost its positivity, or its numbers.
+/// Refuses a belief that is not positive or not finite.
 fn check(belief: &Gaussian<3>, step: u64) -> loc_filters::Result<()> {
     let finite = belief.mean.iter().chain(belief.covariance.iter()).all(|v| v.is_finite());
     let what = "covariance of the robot";

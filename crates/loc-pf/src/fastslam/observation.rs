@@ -1,4 +1,5 @@
-//! One observation held against one landmark of one particle.
+//! Observations of landmarks by one particle: [`Linearized`] at a landmark of its map, [`Located`]
+//! in the map, and the [`View`] of the camera.
 
 use super::FastSlamSettings;
 use loc_core::{Gaussian, Pose2};
@@ -10,9 +11,9 @@ use nalgebra::{
 };
 
 /// Residual, derivatives and noise of distance and direction. A row that was not measured has a
-/// residual and derivatives of zero, so that it tells nothing.
+/// residual and derivatives of zero, so that it carries no information.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Look {
+pub(super) struct Linearized {
     pub(super) residual: Vector2<f64>,
     pub(super) by_robot: Matrix2x3<f64>,
     pub(super) by_landmark: Matrix2<f64>,
@@ -20,15 +21,15 @@ pub(super) struct Look {
     measured: [bool; 2],
 }
 
-impl Look {
-    /// An observation, from a robot at `pose`, of a landmark believed at `place`.
+impl Linearized {
+    /// An observation, from a robot at `pose`, of a landmark estimated at `landmark`.
     pub(super) fn new(
         settings: &FastSlamSettings,
         pose: &nalgebra::Vector3<f64>,
-        place: &Vector2<f64>,
+        landmark: &Vector2<f64>,
         sight: Observed,
     ) -> Self {
-        let model = settings.model(Point2::from(*place));
+        let model = settings.model(Point2::from(*landmark));
         let (expected, mut by_robot) = model.linearize(pose);
         let measured = [sight.range().is_some(), sight.bearing().is_some()];
         let seen = Vector2::new(
@@ -40,19 +41,23 @@ impl Look {
             residual[k] = 0.0;
             by_robot.row_mut(k).fill(0.0);
         }
-        // Landmark and robot shifted alike look the same.
+        // Shifting robot and landmark together changes nothing.
         let by_landmark = -by_robot.fixed_columns::<2>(0);
-        Look { residual, by_robot, by_landmark, noise: model.noise(&expected), measured }
+        Linearized { residual, by_robot, by_landmark, noise: model.noise(&expected), measured }
     }
 
-    /// What the landmark's uncertainty and the sensor's noise make of the residual's covariance,
-    /// for a robot that knows its pose.
-    pub(super) fn apart_from_robot(&self, landmark: &Matrix2<f64>) -> Matrix2<f64> {
+    /// The covariance of the residual by landmark and sensor noise alone, for a certain pose.
+    pub(super) fn covariance_without_robot(&self, landmark: &Matrix2<f64>) -> Matrix2<f64> {
         self.by_landmark * landmark * self.by_landmark.transpose() + self.noise
     }
 
-    /// The residual held against its covariance, as far as it was measured.
-    pub(super) fn judge(&self, covariance: Matrix2<f64>, gate: &Gate, step: u64) -> Result<Judged> {
+    /// Gates the measured part of the residual by its covariance.
+    pub(super) fn score_residual(
+        &self,
+        covariance: Matrix2<f64>,
+        gate: &Gate,
+        step: u64,
+    ) -> Result<Scored> {
         let one = |k: usize| {
             let residual = Vector1::new(self.residual[k]);
             innovation(residual, Matrix1::new(covariance[(k, k)]), gate, step)
@@ -91,7 +96,7 @@ impl Judged {
     }
 }
 
-/// Holds a residual against its covariance.
+/// The innovation of a residual with its covariance.
 fn innovation<const M: usize>(
     residual: SVector<f64, M>,
     covariance: SMatrix<f64, M, M>,
@@ -116,24 +121,24 @@ fn innovation<const M: usize>(
     Ok(Innovation { residual, covariance, determinant, whitened, nis, threshold, accepted })
 }
 
-/// An observation with distance and direction, and where a robot that is right about itself would put
-/// its landmark.
+/// An observation with distance and direction, and the position of its landmark in the map (inverse
+/// observation model).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct Located {
     pub(super) range: f64,
     pub(super) bearing: f64,
-    /// In the map \[m\], with what the sensor alone leaves open.
+    /// In the map \[m\], with the covariance by the sensor alone.
     pub(super) position: Gaussian<2>,
 }
 
-impl Place {
-    /// Nearer than this \[m\] a landmark has no direction.
-    const NEAREST: f64 = 1e-3;
+impl Located {
+    /// Minimum distance of a landmark with a direction \[m\].
+    const MIN_RANGE_WITH_BEARING: f64 = 1e-3;
 
-    /// `None` for an observation that has no place.
+    /// `None` for an observation without distance or direction.
     pub(super) fn new(settings: &FastSlamSettings, pose: Pose2, sight: Observed) -> Option<Self> {
         let Observed::RangeBearing { range, bearing } = sight else { return None };
-        if range < Self::NEAREST {
+        if range < Self::MIN_RANGE_WITH_BEARING {
             return None;
         }
         let camera = pose * settings.mounting;
@@ -144,14 +149,12 @@ impl Place {
         let (along, across) = (sigmas.x, sigmas.y * range);
         let axes = Matrix2::new(along * cos, -across * sin, along * sin, across * cos);
         let position = Gaussian { mean, covariance: axes * axes.transpose() };
-        Some(Place { range, bearing, position })
+        Some(Located { range, bearing, position })
     }
 }
 
-// How far the camera has been seen to see.
-
-/// The part of the surroundings that the camera sees. Landmarks well within it should be seen
-/// again.
+/// The field of view of the camera, from the observations so far. Landmarks well within it should
+/// be seen again.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct View {
     range: f64,
@@ -161,19 +164,19 @@ pub(super) struct View {
 impl View {
     /// The part of the view in which a landmark should be seen.
     const MIDDLE: f64 = 0.7;
-    /// The least that a camera is taken to see \[m, rad\].
+    /// Minimum field of view \[m, rad\].
     const MIN_RANGE: f64 = 1.0;
     const MIN_BEARING: f64 = 0.25;
-    /// A provisional landmark that is farther away than this, in ranges, has had its chance.
-    const GONE: f64 = 1.5;
+    /// A provisional landmark beyond this distance is removed \[ranges\].
+    const FAR: f64 = 1.5;
 
-    pub(super) fn include(&mut self, place: &Place) {
-        self.range = self.range.max(place.range);
-        self.bearing = self.bearing.max(place.bearing.abs());
+    pub(super) fn include(&mut self, located: &Located) {
+        self.range = self.range.max(located.range);
+        self.bearing = self.bearing.max(located.bearing.abs());
     }
 
-    /// Density in distance and direction of something new that is anywhere in the view, where a
-    /// observation at distance `range` \[m\] was: in polar coordinates far things are denser.
+    /// Density in distance and direction of something new that is anywhere in the view, for an
+    /// observation at distance `range` \[m\]: in polar coordinates the density grows with distance.
     pub(super) fn density(&self, range: f64) -> f64 {
         let (farthest, widest) =
             (self.range.max(Self::MIN_RANGE), self.bearing.max(Self::MIN_BEARING));
@@ -185,8 +188,8 @@ impl View {
             && from_camera.y.atan2(from_camera.x).abs() < Self::MIDDLE * self.bearing
     }
 
-    pub(super) fn has_left(&self, from_camera: &Point2<f64>) -> bool {
-        from_camera.coords.norm() > Self::GONE * self.range
+    pub(super) fn is_out_of_range(&self, from_camera: &Point2<f64>) -> bool {
+        from_camera.coords.norm() > Self::FAR * self.range
     }
 }
 
@@ -199,24 +202,24 @@ mod tests {
     fn jacobians_are_the_slopes_of_the_residual() {
         let mounting = Pose2::new(0.2, -0.1, 0.4);
         let settings = FastSlamSettings { mounting, ..FastSlamSettings::default() };
-        let (pose, place) = (Vector3::new(1.0, -2.0, 0.7), Vector2::new(3.1, 0.4));
+        let (pose, located) = (Vector3::new(1.0, -2.0, 0.7), Vector2::new(3.1, 0.4));
         let sight = Observed::RangeBearing { range: 2.0, bearing: 0.3 };
-        let at = |pose: Vector3<f64>, place| Look::new(&settings, &pose, &place, sight);
-        let (look, step) = (at(pose, place), 1e-6);
+        let at = |pose: Vector3<f64>, located| Linearized::new(&settings, &pose, &located, sight);
+        let (linearized, step) = (at(pose, located), 1e-6);
         for k in 0..3 {
             let mut shift = Vector3::zeros();
             shift[k] = step;
-            let [a, b] = [at(pose + shift, place), at(pose - shift, place)];
+            let [a, b] = [at(pose + shift, located), at(pose - shift, located)];
             // The residual falls as the expectation rises.
             let slope = (b.residual - a.residual) / (2.0 * step);
-            assert!((slope - look.by_robot.column(k)).norm() < 1e-8, "{k}");
+            assert!((slope - linearized.by_robot.column(k)).norm() < 1e-8, "{k}");
         }
         for k in 0..2 {
             let mut shift = Vector2::zeros();
             shift[k] = step;
-            let [a, b] = [at(pose, place + shift), at(pose, place - shift)];
+            let [a, b] = [at(pose, located + shift), at(pose, located - shift)];
             let slope = (b.residual - a.residual) / (2.0 * step);
-            assert!((slope - look.by_landmark.column(k)).norm() < 1e-8, "{k}");
+            assert!((slope - linearized.by_landmark.column(k)).norm() < 1e-8, "{k}");
         }
     }
 }

@@ -1,8 +1,9 @@
-//! One particle: a way that the robot may have come, with the map that goes with it.
+//! One particle: a hypothesis of the path of the robot, with the map that belongs to it, and its
+//! update by the observations of one time.
 
 use super::FastSlamSettings;
-use super::landmark_map::{Mark, MarkMap};
-use super::observation::{Look, Place, View};
+use super::landmark_map::{LandmarkEstimate, ParticleMap};
+use super::observation::{Linearized, Located, View};
 use loc_core::{Gaussian, Pose2, angle};
 use loc_filters::association::{Associator, PairInnovation, Pairing};
 use loc_filters::localizer::{Decision, Outcome};
@@ -15,61 +16,63 @@ use std::collections::BTreeMap;
 /// What an observation is until something better is known of it.
 const UNDETERMINED: Outcome = Outcome::of(Decision::Undetermined);
 
-/// A pose with what odometry leaves open since it was drawn last, and a map.
+/// A pose, with its covariance by odometry since it was drawn last, and a map.
 #[derive(Debug, Clone)]
 pub(super) struct Particle {
     pub(super) belief: Gaussian<3>,
-    pub(super) map: MarkMap,
+    pub(super) map: ParticleMap,
     /// The number that the next landmark gets, where they have none of their own.
     pub(super) next_number: u32,
 }
 
-/// What all particles share at one moment.
-pub(super) struct Knowledge<'a> {
+/// Data shared by all particles during an update.
+pub(super) struct Context<'a> {
     pub(super) settings: &'a FastSlamSettings,
     pub(super) gate: Gate,
     pub(super) new_landmark_gate: f64,
     pub(super) associator: &'a Associator,
     pub(super) view: View,
-    /// Slot of each number that is read off landmarks.
+    /// Slot of each landmark number.
     pub(super) numbers: &'a BTreeMap<u32, usize>,
-    /// Counts the calls with observations.
+    /// Number of updates with observations.
     pub(super) moment: u64,
-    /// Counts motions and corrections, for errors.
+    /// Number of motions and corrections, for errors.
     pub(super) step: u64,
 }
 
-/// What a particle made of the observations of a moment.
+/// Result of an update.
 #[derive(Debug, Default)]
 pub(super) struct Report {
     pub(super) log_likelihood: f64,
     pub(super) outcomes: Vec<Outcome>,
 }
 
-/// What an observation turned out to be, before the pose is drawn.
+/// Data association of an observation, before the pose is drawn.
 #[derive(Debug, Clone, Copy)]
-enum Fate {
-    /// Of the landmark in this slot.
-    Of(usize),
+enum Association {
+    /// The landmark in this slot.
+    Existing(usize),
+    /// A landmark that is not in the map.
     New,
-    Nothing,
+    /// Ambiguous, or without a position.
+    None,
 }
 
 impl Particle {
     pub(super) fn new(start: Gaussian<3>) -> Self {
-        Particle { belief: start, map: MarkMap::default(), next_number: 0 }
+        Particle { belief: start, map: ParticleMap::default(), next_number: 0 }
     }
 
     pub(super) fn pose(&self) -> Pose2 {
         Pose2::from_vector(&self.belief.mean)
     }
 
-    /// Takes in a group of observations: finds their landmarks, draws a pose that suits both odometry
-    /// and observations, and corrects each landmark from there.
-    // ANCHOR: take-in
-    pub(super) fn take_in(
+    /// Updates with a group of observations: associates them with landmarks, draws a pose from
+    /// odometry and observations together, and corrects each landmark from that pose.
+    // ANCHOR: update
+    pub(super) fn update(
         &mut self,
-        knowledge: &Knowledge<'_>,
+        context: &Context<'_>,
         group: &[LandmarkObservation],
         normals: &Vector3<f64>,
     ) -> Result<Report> {
@@ -81,64 +84,68 @@ impl Particle {
             }
         }
         self.draw(normals);
-        for ((fate, seen), outcome) in fates.iter().zip(group).zip(&mut report.outcomes) {
-            match fate {
-                Fate::Of(slot) => self.learn(knowledge, *slot, seen, outcome.accepted())?,
-                Fate::New => *outcome = self.welcome(knowledge, seen)?,
-                Fate::Nothing => {}
+        for ((association, seen), outcome) in
+            associations.iter().zip(group).zip(&mut report.outcomes)
+        {
+            match association {
+                Association::Existing(slot) => {
+                    self.correct_landmark(context, *slot, seen, outcome.accepted())?;
+                }
+                Association::New => *outcome = self.initialize_landmark(context, seen)?,
+                Association::None => {}
             }
         }
         Ok(report)
     }
-    // ANCHOR_END: take-in
+    // ANCHOR_END: update
 
-    fn recognize(
+    fn associate(
         &self,
-        knowledge: &Knowledge<'_>,
+        context: &Context<'_>,
         group: &[LandmarkObservation],
         report: &mut Report,
-    ) -> Result<Vec<Fate>> {
-        if knowledge.settings.identities == Identities::Known {
-            let fate = |seen: &LandmarkObservation| {
-                let slot = knowledge.numbers.get(&seen.landmark);
+    ) -> Result<Vec<Association>> {
+        if context.settings.identities == Identities::Known {
+            let association = |seen: &LandmarkObservation| {
+                let slot = context.numbers.get(&seen.landmark);
                 slot.filter(|slot| self.map.get(**slot).is_some())
-                    .map_or(Fate::New, |&s| Fate::Of(s))
+                    .map_or(Association::New, |&s| Association::Existing(s))
             };
-            return Ok(group.iter().map(fate).collect());
+            return Ok(group.iter().map(association).collect());
         }
-        let place =
-            |seen: &LandmarkObservation| Place::new(knowledge.settings, self.pose(), seen.sight);
-        let places: Vec<Option<Place>> = group.iter().map(place).collect();
-        let placed: Vec<Place> = places.iter().flatten().copied().collect();
-        let pairs = Pairs::new(knowledge, self, &placed);
-        let association = knowledge.associator.associate(&pairs)?;
-        let mut fates = vec![Fate::Nothing; group.len()];
-        let indices = (0..group.len()).filter(|&k| places[k].is_some());
+        let located =
+            |seen: &LandmarkObservation| Located::new(context.settings, self.pose(), seen.sight);
+        let located: Vec<Option<Located>> = group.iter().map(located).collect();
+        let placed: Vec<Located> = located.iter().flatten().copied().collect();
+        let pairs = Pairs::new(context, self, &placed);
+        let association = context.associator.associate(&pairs)?;
+        let mut associations = vec![Association::None; group.len()];
+        let indices = (0..group.len()).filter(|&k| located[k].is_some());
         for (observation, k) in indices.enumerate() {
             let nis = association.nearest[observation];
-            fates[k] = match association.partners[observation] {
-                Some(landmark) => Fate::Of(pairs.slot(landmark)),
-                None if nis > knowledge.new_landmark_gate => Fate::New,
+            associations[k] = match association.partners[observation] {
+                Some(landmark) => Association::Existing(pairs.slot(landmark)),
+                None if nis > context.new_landmark_gate => Association::New,
                 None => {
                     report.outcomes[k] = Outcome::of(Decision::Ambiguous).with_nis(nis);
                     Fate::Nothing
                 }
             };
-            if !matches!(fates[k], Fate::Of(_)) {
-                // It was seen, and this particle knows of nothing there.
-                let density = knowledge.view.density(placed[observation].range);
-                report.log_likelihood += (knowledge.settings.new_share * density).ln();
+            if !matches!(associations[k], Association::Existing(_)) {
+                // The likelihood of an observation of something that is not in the map.
+                let density = context.view.density(placed[observation].range);
+                report.log_likelihood += (context.settings.new_share * density).ln();
             }
         }
-        Ok(fates)
+        Ok(associations)
     }
 
-    /// Takes an observation into the distribution that the pose will be drawn from, which is what sets
-    /// FastSLAM 2.0 apart: `K = P G_s^T L^-1`, `L = G_s P G_s^T + G_m S G_m^T + R`.
+    /// Corrects the distribution that the pose is drawn from, the proposal of FastSLAM 2.0, by an
+    /// observation: `K = P G_s^T L^-1`, `L = G_s P G_s^T + G_m S G_m^T + R`.
     // ANCHOR: propose
     fn propose(
         &mut self,
-        knowledge: &Knowledge<'_>,
+        context: &Context<'_>,
         slot: usize,
         seen: &LandmarkObservation,
         log_likelihood: &mut f64,
@@ -163,7 +170,7 @@ impl Particle {
     }
     // ANCHOR_END: propose
 
-    /// Draws the pose; from now on the particle takes it for certain.
+    /// Draws the pose, which is then certain for this particle.
     pub(super) fn draw(&mut self, normals: &Vector3<f64>) {
         let mut mean = self.belief.mean + self.belief.factor() * normals;
         mean.z = angle::wrap(mean.z);
@@ -171,34 +178,35 @@ impl Particle {
     }
 
     /// Corrects a landmark from the pose that was drawn.
-    fn learn(
+    fn correct_landmark(
         &mut self,
-        knowledge: &Knowledge<'_>,
+        context: &Context<'_>,
         slot: usize,
         seen: &LandmarkObservation,
         accepted: bool,
     ) -> Result<()> {
         let pose = self.belief.mean;
-        let Some(mark) = self.map.get_mut(slot) else { return Ok(()) };
+        let Some(estimate) = self.map.get_mut(slot) else { return Ok(()) };
         if accepted {
-            let look = Look::new(knowledge.settings, &pose, &mark.position.mean, seen.sight);
-            let covariance = look.apart_from_robot(&mark.position.covariance);
-            look.judge(covariance, &Gate::OPEN, knowledge.step)?;
-            mark.correct(&look, &covariance);
-            mark.praise(knowledge.moment, &knowledge.settings.map);
+            let linearized =
+                Linearized::new(context.settings, &pose, &estimate.position.mean, seen.sight);
+            let covariance = linearized.covariance_without_robot(&estimate.position.covariance);
+            linearized.score_residual(covariance, &Gate::OPEN, context.step)?;
+            estimate.correct(&linearized, &covariance);
+            estimate.support(context.moment, &context.settings.map);
         } else {
-            mark.blame(knowledge.settings.map.contradiction_cost);
-            if mark.is_false() {
+            estimate.penalize(context.settings.map.contradiction_cost);
+            if estimate.is_false() {
                 self.map.remove(slot);
             }
         }
         Ok(())
     }
 
-    /// An observation of something that was not in the map when its group began.
-    fn welcome(
+    /// Initializes a landmark that was not in the map before this group of observations.
+    fn initialize_landmark(
         &mut self,
-        knowledge: &Knowledge<'_>,
+        context: &Context<'_>,
         seen: &LandmarkObservation,
     ) -> Result<Outcome> {
         let settings = knowledge.settings;
@@ -216,109 +224,111 @@ impl Particle {
             return Ok(Outcome::of(Decision::NewLandmark).with_landmark(id));
         }
         let id = seen.landmark;
-        let Some(&slot) = knowledge.numbers.get(&id) else { return Ok(full) };
+        let Some(&slot) = context.numbers.get(&id) else { return Ok(full) };
         if self.map.get(slot).is_some() {
-            // It was born a moment ago, by another observation of the same group.
+            // It was initialized by another observation of the same group.
             let mut unused = 0.0;
-            let outcome = self.propose(knowledge, slot, seen, &mut unused)?;
-            self.learn(knowledge, slot, seen, outcome.accepted())?;
+            let outcome = self.propose(context, slot, seen, &mut unused)?;
+            self.correct_landmark(context, slot, seen, outcome.accepted())?;
             return Ok(outcome);
         }
         self.map.put(slot, Mark::born(id, &place, knowledge.moment, &settings.map));
         Ok(Outcome::of(Decision::NewLandmark).with_landmark(id))
     }
 
-    /// Blames landmarks that should have been seen at this moment and were not, and removes those
-    /// that no longer have anything to speak for them.
-    /// Returns the logarithm of how likely it is that they were not.
-    pub(super) fn tidy(&mut self, knowledge: &Knowledge<'_>) -> f64 {
+    /// Lowers the score of landmarks that should have been seen and were not, and removes those
+    /// without score. Returns the log-likelihood of not seeing them.
+    pub(super) fn prune(&mut self, context: &Context<'_>) -> f64 {
         let mut log_likelihood = 0.0;
-        let map = &knowledge.settings.map;
-        let back = (self.pose() * knowledge.settings.mounting).inverse();
-        let mut blamed = Vec::new();
-        self.map.visit(&mut |slot, mark| {
-            let from_camera = back.transform(&mark.position.mean.into());
+        let map = &context.settings.map;
+        let back = (self.pose() * context.settings.mounting).inverse();
+        let mut penalized = Vec::new();
+        self.map.visit(&mut |slot, estimate| {
+            let from_camera = back.transform(&estimate.position.mean.into());
             let missed =
-                mark.seen_at != knowledge.moment && knowledge.view.should_see(&from_camera);
-            let forgotten = !mark.confirmed && knowledge.view.has_left(&from_camera);
-            if forgotten {
-                blamed.push((slot, f64::INFINITY));
+                estimate.seen_at != context.moment && context.view.should_see(&from_camera);
+            let expired = !estimate.confirmed && context.view.is_out_of_range(&from_camera);
+            if expired {
+                penalized.push((slot, f64::INFINITY));
             } else if missed {
-                blamed.push((slot, map.miss_cost));
+                penalized.push((slot, map.miss_cost));
                 log_likelihood +=
-                    if mark.confirmed { knowledge.settings.miss_share.ln() } else { 0.0 };
+                    if estimate.confirmed { context.settings.miss_share.ln() } else { 0.0 };
             }
         });
-        for (slot, cost) in blamed {
-            let Some(mark) = self.map.get_mut(slot) else { continue };
-            mark.blame(cost);
-            if mark.is_false() {
+        for (slot, cost) in penalized {
+            let Some(estimate) = self.map.get_mut(slot) else { continue };
+            estimate.penalize(cost);
+            if estimate.is_false() {
                 self.map.remove(slot);
             }
         }
-        self.map.tighten();
+        self.map.compact();
         log_likelihood
     }
 }
 
-// LandmarkObservations without numbers, held against the landmarks of one particle.
-
 /// Distance and direction are curved coordinates; a bound on a distance must hold in them too.
 const SLACK: f64 = 2.0;
 
-/// The looks of all pairs that are not out of the question.
+/// All plausible pairs of an observation without number and a landmark of the particle, linearized.
 pub(super) struct Pairs {
     /// The landmarks that are near any of the observations.
     slots: Vec<usize>,
     robot: Matrix3<f64>,
-    /// For each observation its density, were it of something new.
+    /// For each observation its density as one of a new landmark.
     elsewhere: Vec<f64>,
-    /// For each observation and each of the landmarks the look and the residual's covariance.
-    looks: Vec<Option<(Look, Matrix2<f64>)>>,
+    /// For each observation and each of the landmarks the linearized observation and the covariance
+    /// of its residual.
+    linearized: Vec<Option<(Linearized, Matrix2<f64>)>>,
 }
 
 impl Pairs {
-    pub(super) fn new(knowledge: &Knowledge<'_>, particle: &Particle, places: &[Place]) -> Self {
-        let near = |place: &Place, mark: &Matrix2<f64>| {
+    pub(super) fn new(context: &Context<'_>, particle: &Particle, located: &[Located]) -> Self {
+        let near = |located: &Located, estimate: &Matrix2<f64>| {
             // The variance of a difference is at most twice the sum of both.
             let p = &particle.belief.covariance;
-            let robot = p.m11 + p.m22 + place.range.powi(2) * p.m33;
-            let variance = robot + place.position.covariance.trace() + mark.trace();
-            SLACK * knowledge.new_landmark_gate * 2.0 * variance
+            let robot = p.m11 + p.m22 + located.range.powi(2) * p.m33;
+            let variance = robot + located.position.covariance.trace() + estimate.trace();
+            SLACK * context.new_landmark_gate * 2.0 * variance
         };
-        let (mut slots, mut marks) = (Vec::new(), Vec::new());
-        particle.map.visit(&mut |slot, mark| {
-            let fits = |place: &Place| {
-                let squared = (place.position.mean - mark.position.mean).norm_squared();
-                squared <= near(place, &mark.position.covariance)
+        let (mut slots, mut near_landmarks) = (Vec::new(), Vec::new());
+        particle.map.visit(&mut |slot, estimate| {
+            let fits = |located: &Located| {
+                let squared = (located.position.mean - estimate.position.mean).norm_squared();
+                squared <= near(located, &estimate.position.covariance)
             };
-            if places.iter().any(fits) {
+            if located.iter().any(fits) {
                 slots.push(slot);
-                marks.push(mark.position);
+                near_landmarks.push(estimate.position);
             }
         });
-        let looks = places.iter().flat_map(|place| {
-            let sight = Observed::RangeBearing { range: place.range, bearing: place.bearing };
-            let marks = marks.iter();
-            marks.map(move |mark| {
-                let squared = (place.position.mean - mark.mean).norm_squared();
-                if squared > near(place, &mark.covariance) {
+        let linearized = located.iter().flat_map(|located| {
+            let sight = Observed::RangeBearing { range: located.range, bearing: located.bearing };
+            let near_landmarks = near_landmarks.iter();
+            near_landmarks.map(move |estimate| {
+                let squared = (located.position.mean - estimate.mean).norm_squared();
+                if squared > near(located, &estimate.covariance) {
                     return None;
                 }
                 let pose = &particle.belief.mean;
-                let look = Look::new(knowledge.settings, pose, &mark.mean, sight);
-                let of_robot =
-                    look.by_robot * particle.belief.covariance * look.by_robot.transpose();
-                Some((look, look.apart_from_robot(&mark.covariance) + of_robot))
+                let linearized = Linearized::new(context.settings, pose, &estimate.mean, sight);
+                let of_robot = linearized.by_robot
+                    * particle.belief.covariance
+                    * linearized.by_robot.transpose();
+                Some((
+                    linearized,
+                    linearized.covariance_without_robot(&estimate.covariance) + of_robot,
+                ))
             })
         });
         let density =
-            |place: &Place| knowledge.settings.new_share * knowledge.view.density(place.range);
+            |located: &Located| context.settings.new_share * context.view.density(located.range);
         Pairs {
-            looks: looks.collect(),
+            linearized: linearized.collect(),
             slots,
             robot: particle.belief.covariance,
-            elsewhere: places.iter().map(density).collect(),
+            elsewhere: located.iter().map(density).collect(),
         }
     }
 
@@ -327,8 +337,11 @@ impl Pairs {
         self.slots[landmark]
     }
 
-    fn look(&self, (observation, landmark): (usize, usize)) -> Option<&(Look, Matrix2<f64>)> {
-        self.looks.get(observation * self.slots.len() + landmark)?.as_ref()
+    fn linearized(
+        &self,
+        (observation, landmark): (usize, usize),
+    ) -> Option<&(Linearized, Matrix2<f64>)> {
+        self.linearized.get(observation * self.slots.len() + landmark)?.as_ref()
     }
 }
 
@@ -342,17 +355,17 @@ impl Pairing<2> for Pairs {
     }
 
     fn innovation(&self, observation: usize, landmark: usize) -> Option<PairInnovation<2>> {
-        let (look, covariance) = self.look((observation, landmark))?;
-        Some(PairInnovation { residual: look.residual, covariance: *covariance })
+        let (linearized, covariance) = self.linearized((observation, landmark))?;
+        Some(PairInnovation { residual: linearized.residual, covariance: *covariance })
     }
 
     fn elsewhere(&self, observation: usize) -> f64 {
         self.elsewhere[observation]
     }
 
-    /// What is left open of the robot's pose since the last time it was drawn.
+    /// By the covariance of the pose since it was drawn last.
     fn cross_covariance(&self, a: (usize, usize), b: (usize, usize)) -> Matrix2<f64> {
-        match (self.look(a), self.look(b)) {
+        match (self.linearized(a), self.linearized(b)) {
             (Some((a, _)), Some((b, _))) => a.by_robot * self.robot * b.by_robot.transpose(),
             _ => Matrix2::zeros(),
         }

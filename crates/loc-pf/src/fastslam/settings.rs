@@ -12,7 +12,7 @@ use loc_filters::{Gate, MeasurementModel};
 use loc_sensors::landmark_camera::LandmarkNoise;
 use nalgebra::{Point2, Vector2};
 
-/// All that FastSLAM can be told, with defaults that serve a small indoor robot.
+/// Settings of FastSLAM, with defaults for a small indoor robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
@@ -21,19 +21,19 @@ pub struct FastSlamSettings {
     pub particles: usize,
     /// Rule that turns velocities into poses.
     pub integration: Integration,
-    /// How far odometry may be off.
+    /// Noise of the odometry.
     pub motion_noise: VelocityNoise,
-    /// How far observations may be off.
+    /// Noise of observations.
     pub observation_noise: LandmarkNoise,
     /// The camera's pose on the robot, `base_from_camera`.
     pub mounting: Pose2,
-    /// Whether landmarks can be told apart by their numbers.
+    /// Whether the data association is known (landmarks have numbers).
     pub identities: Identities,
     /// Share of right observations of a landmark that the gate lets pass, 1 for no gate.
     pub gate_probability: f64,
-    /// How landmarks without numbers are told apart, by each particle for itself.
+    /// Data association of landmarks without numbers, for each particle.
     pub association: AssociationSettings,
-    /// What becomes of landmarks in the map. FastSLAM has no use for `merge_ratio`.
+    /// Management of landmarks in the map. FastSLAM does not use `merge_ratio`.
     pub map: MapSettings,
     /// Share of observations, in (0, 1], that a particle expects to be of something new. Without
     /// numbers on landmarks only.
@@ -71,8 +71,8 @@ impl Default for FastSlamSettings {
 }
 
 impl FastSlamSettings {
-    /// The textbook's association: each particle takes the likeliest landmark, however small its
-    /// lead. A particle that errs is weighed by what it sees next.
+    /// The textbook's association: each particle takes the likeliest landmark, at any
+    /// margin. Wrong associations lower the weight of the particle later.
     pub const ASSOCIATION: AssociationSettings = AssociationSettings {
         rule: Rule::MaximumLikelihood,
         gate_probability: 0.999,
@@ -98,7 +98,7 @@ impl FastSlamSettings {
             finite("mounting of the camera [m, m, rad]", value)?;
         }
         let map = &self.map;
-        let allowed = |most: f64| most.is_finite() && most >= map.confirm_score;
+        let allowed = |max: f64| max.is_finite() && max >= map.confirm_score;
         let expected = "at least the score to confirm";
         in_range("most score of a landmark", expected, map.max_score, allowed)?;
         positive("score that confirms a landmark", map.confirm_score)?;

@@ -1,4 +1,4 @@
-//! Monte Carlo localization with landmarks whose places are known (M5).
+//! Monte Carlo localization with landmarks at known positions (M5).
 //!
 //! A particle set drives as the odometry says, each with an error of its own; every observation
 //! of a landmark favours those that would have seen it so. Unlike the extended Kalman filter it
@@ -66,17 +66,17 @@ pub struct LandmarkMcl {
     velocities: Velocities,
 }
 
-/// What the filter knows beside its particle set.
+/// The state of the filter beside its particles.
 #[derive(Debug, Clone, Copy)]
 struct State {
-    /// The time to which the particle set belongs \[s\].
+    /// The time of the particles \[s\].
     stamp: f64,
-    /// What the particle set says about the pose.
+    /// The estimate of the pose.
     belief: Gaussian<3>,
     fit: Fit,
-    /// Whether the particle set lies anywhere and waits for its first observation.
+    /// Whether the particles are uniform, before the first observation.
     anywhere: bool,
-    /// Whether the last observations made it draw a new particle set.
+    /// Whether the particles were resampled with the last observations.
     resampled: bool,
 }
 
@@ -103,7 +103,7 @@ impl LandmarkMcl {
     }
 
     /// A robot that stands still at `stamp` \[s\] anywhere around the landmarks (A2). With the
-    /// first observations the particle set gathers where those may have been seen from.
+    /// first observations the particles are drawn where those may have been seen from.
     ///
     /// # Errors
     /// As [`LandmarkMcl::new`].
@@ -122,14 +122,14 @@ impl LandmarkMcl {
         let region = region.ok_or(none)?;
         let workers = Workers::new(settings.threads)?;
         let mut filter = ParticleFilter::new(Particles::new(), rng).with_workers(workers);
-        *filter.particles_mut() = update::scattered(&region, settings.particles, filter.rng_mut());
+        *filter.particles_mut() = update::uniform(&region, settings.particles, filter.rng_mut());
         let belief = moments(filter.particles());
         let state = State { stamp, belief, fit: Fit::default(), anywhere: true, resampled: false };
         let (filter, velocities) = (Arc::new(filter), Velocities::default());
         Ok(LandmarkMcl { map, settings, region, filter, state, clock, velocities })
     }
 
-    /// Starts anew from a belief; what was measured so far is forgotten, the velocity is not.
+    /// Restarts from a belief; earlier observations are dropped, the velocity is kept.
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief that is not valid.
@@ -181,24 +181,24 @@ impl LandmarkMcl {
         let State { stamp: from, belief, .. } = self.state;
         let LandmarkMclSettings { integration, motion_noise, .. } = &self.settings;
         let drive = self.velocities.between(from, stamp);
-        Ok(drive.fold(belief, |belief, hold| {
-            dead_reckon(&belief, hold.twist, hold.duration, *integration, motion_noise)
+        Ok(drive.fold(belief, |belief, interval| {
+            dead_reckon(&belief, interval.twist, interval.duration, *integration, motion_noise)
         }))
     }
 
-    /// The particle set, at the time of the last observation.
+    /// The particles, at the time of the last observation.
     pub fn particles(&self) -> &Particles {
         self.filter.particles()
     }
 
-    /// The particle set as the last observations weighed it, if it was resampled then.
+    /// The particles with their weights by the last observations, if they were resampled then.
     pub fn weighed(&self) -> Option<&Particles> {
         Some(self.filter.resampled_from())
             .filter(|before| self.state.resampled && !before.is_empty())
     }
 
-    /// How well observations fit, as shares of what they would without errors: in the long run and of
-    /// late. `None` before the first.
+    /// How well observations fit, as shares of their likelihood without errors: long-term and
+    /// short-term average. `None` before the first.
     pub fn fit(&self) -> Option<[f64; 2]> {
         self.state.fit.averages()
     }

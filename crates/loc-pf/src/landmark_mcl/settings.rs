@@ -25,8 +25,8 @@ pub struct LandmarkMclSettings {
     /// How particles are drawn.
     pub resampling: Resampling,
     /// How far resampled particles are moved apart, as a share of what suits a normal distribution,
-    /// in \[0, 1\]: copies of one particle would stay copies on a robot that stands still. At most a
-    /// quarter of an observation's sigma.
+    /// in \[0, 1\]: copies of one particle would stay copies on a robot that stands still. At most
+    /// a quarter of an observation's sigma.
     pub roughening: f64,
     /// What to do when lost.
     pub recovery: RecoverySettings,

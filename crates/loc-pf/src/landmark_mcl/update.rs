@@ -1,4 +1,4 @@
-//! One step of the filter: drive to the observations, weigh by them, resample.
+//! One update of the filter: move to the time of the observations, weight by them, resample.
 
 use super::settings::RecoverySettings;
 use super::velocities::legs;
@@ -19,30 +19,31 @@ use std::sync::Arc;
 /// What [`LandmarkMcl::update`] did.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservationUpdate {
-    /// How far each observation is to be trusted at the new estimate, those of unknown landmarks last.
+    /// Probability of each observation being right at the new estimate, those of unknown landmarks
+    /// last.
     pub trust: Vec<Trust>,
-    /// Effective sample size after weighing.
+    /// Effective sample size after weighting.
     pub effective_sample_size: f64,
-    /// Whether the particle set was resampled.
+    /// Whether the particles were resampled.
     pub resampled: bool,
-    /// Number of particles that were put elsewhere because the observations do not fit.
+    /// Number of particles that were replaced because the observations do not fit.
     pub replaced: usize,
 }
 
-/// Share of particles that a first observation leaves anywhere: it may be wrong.
-const LEFT_ANYWHERE: f64 = 0.1;
+/// Share of particles that stay uniform after a first observation: it may be wrong.
+const UNIFORM_SHARE: f64 = 0.1;
 
-/// Share of the particles that must carry weight after a part of the observations.
-const ENOUGH: f64 = 0.05;
+/// Minimum effective share of the particles after a stage.
+const MIN_EFFECTIVE_SHARE: f64 = 0.05;
 
-/// Most parts in which observations are taken in.
+/// Maximum number of stages of an update.
 const STAGES: usize = 4;
 
-/// How finely the part is searched.
+/// Number of bisections for the share of a stage.
 const HALVINGS: usize = 8;
 
-/// Largest step of roughening, in standard deviations of an observation.
-const LARGEST_STEP: f64 = 0.25;
+/// Maximum step of roughening, in standard deviations of an observation.
+const MAX_STEP: f64 = 0.25;
 
 impl LandmarkMcl {
     /// Moves cloud and belief on to a time \[s\]; not back.
@@ -53,8 +54,9 @@ impl LandmarkMcl {
         }
         let (integration, noise) = (self.settings.integration, &self.settings.motion_noise);
         self.state.stamp = stamp;
-        let Ok(legs) = legs(self.velocities.between(from, stamp), integration, noise) else {
-            // Further than any robot drives, it may be anywhere.
+        let Ok(segments) = segments(self.velocities.between(from, stamp), integration, noise)
+        else {
+            // After a longer drive than possible, the robot may be anywhere.
             let count = self.settings.particles;
             let cloud = scattered(&self.region, count, Arc::make_mut(&mut self.filter).rng_mut());
             self.state = State { belief: moments(&cloud), anywhere: true, ..self.state };
@@ -64,8 +66,8 @@ impl LandmarkMcl {
         let filter = Arc::make_mut(&mut self.filter);
         legs.iter().for_each(|leg| filter.predict(leg));
         let drive = self.velocities.between(from, stamp);
-        self.state.belief = drive.fold(self.state.belief, |belief, hold| {
-            dead_reckon(&belief, hold.twist, hold.duration, integration, noise)
+        self.state.belief = drive.fold(self.state.belief, |belief, interval| {
+            dead_reckon(&belief, interval.twist, interval.duration, integration, noise)
         });
     }
 
@@ -87,7 +89,7 @@ impl LandmarkMcl {
             });
         }
         if std::mem::take(&mut self.state.anywhere) {
-            self.gather(&likelihood);
+            self.draw_from_observations(&likelihood);
         }
         let share = self.weigh(&likelihood);
         self.state.belief = moments(self.filter.particles());
@@ -104,13 +106,13 @@ impl LandmarkMcl {
         Ok(ObservationUpdate { trust, effective_sample_size, resampled, replaced })
     }
 
-    /// Weighs the particle set; answers with the share of particles to replace.
+    /// Weights the particles; returns the share of particles to replace.
     ///
-    /// Where only a handful of particles would carry all the weight, the observations are taken in by
-    /// degrees: a part of the log-likelihood that leaves enough of them, a new particle set drawn, and then
-    /// the rest (progressive correction, Oudjane and Musso 2000).
+    /// Where only a few particles would carry all the weight, the update is tempered: a share of
+    /// the log-likelihood that leaves enough of them effective, resampling, and then the rest
+    /// (progressive correction, Oudjane and Musso 2000).
     fn weigh(&mut self, likelihood: &LandmarkLikelihood) -> f64 {
-        let enough = ENOUGH * self.settings.particles as f64;
+        let enough = MIN_EFFECTIVE_SHARE * self.settings.particles as f64;
         let (mut log_mean, mut rest) = (0.0, 1.0);
         for stage in (0..STAGES).rev() {
             let before = self.filter.particles().log_weights().to_vec();
@@ -121,8 +123,11 @@ impl LandmarkMcl {
             }
             let all = Arc::make_mut(&mut self.filter).normalize();
             let carried = self.filter.particles().effective_sample_size() >= enough;
-            let part =
-                if stage == 0 || carried { rest } else { bearable(&before, &rated, rest, enough) };
+            let part = if stage == 0 || carried {
+                rest
+            } else {
+                largest_share(&before, &rated, rest, enough)
+            };
             if part >= rest {
                 log_mean += all;
                 break;
@@ -139,7 +144,7 @@ impl LandmarkMcl {
         self.state.fit.update(log_mean, log_peak, count, &self.settings.recovery)
     }
 
-    /// Weighs by a power of the likelihood, from the weights before.
+    /// Sets the weights before times a power of the likelihood.
     fn set_weights(&mut self, before: &[f64], rated: &[f64], power: f64) {
         let weights = Arc::make_mut(&mut self.filter).particles_mut().log_weights_mut();
         for (weight, (before, rated)) in weights.iter_mut().zip(before.iter().zip(rated)) {
@@ -147,8 +152,8 @@ impl LandmarkMcl {
         }
     }
 
-    /// Puts the particle set where the observations may have been made.
-    fn gather(&mut self, likelihood: &LandmarkLikelihood) {
+    /// Draws the particles where the observations may have been made.
+    fn draw_from_observations(&mut self, likelihood: &LandmarkLikelihood) {
         let resetting = SensorResetting::new(likelihood, self.region);
         let (count, region) = (self.settings.particles, self.region);
         let rng = Arc::make_mut(&mut self.filter).rng_mut();
@@ -158,7 +163,7 @@ impl LandmarkMcl {
         *Arc::make_mut(&mut self.filter).particles_mut() = cloud;
     }
 
-    /// Draws a new particle set, `replaced` of it from the observations.
+    /// Resamples, with `replaced` particles from the observations.
     fn resample(&mut self, likelihood: &LandmarkLikelihood, replaced: usize) {
         let kept = self.settings.particles - replaced;
         Arc::make_mut(&mut self.filter).resample(self.settings.resampling, kept);
@@ -175,7 +180,7 @@ impl LandmarkMcl {
         Arc::make_mut(&mut self.filter).particles_mut().set_equal_weights();
     }
 
-    /// Moves copies of one particle apart and the particle set together by as much, so that its mean and
+    /// Adds noise to the particles and shrinks them towards their mean by as much, so that mean and
     /// covariance stay (Liu and West 2001).
     fn roughen(&mut self) {
         let mean = self.state.belief.mean;
@@ -195,8 +200,8 @@ impl LandmarkMcl {
         }
     }
 
-    /// Width of the kernel in standard deviations of the particle set: the one that suits a normal
-    /// distribution (Silverman 1986), less where a particle set is so wide that it is none.
+    /// Width of the kernel in standard deviations of the particles: the one for a normal
+    /// distribution (Silverman 1986), less for a wide belief, which is not normal.
     fn kernel_width(&self) -> f64 {
         let covariance = &self.state.belief.covariance;
         let noise = &self.settings.sights.noise;
@@ -204,27 +209,27 @@ impl LandmarkMcl {
         let suits = (0.8 / self.settings.particles as f64).powf(1.0 / 7.0);
         let limits = (0..3).map(|k| {
             let sigma = covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt();
-            LARGEST_STEP * largest[k] / sigma
+            MAX_STEP * largest[k] / sigma
         });
         limits.fold(self.settings.roughening * suits, f64::min).min(1.0)
     }
 }
 
-/// Log-likelihoods from log weights with and without them. What was ruled out before stays so.
+/// Log-likelihoods from log weights with and without them. Excluded particles stay excluded.
 fn rated(after: &[f64], before: &[f64]) -> Vec<f64> {
     let gain =
         |(after, before): (&f64, &f64)| if *after > f64::MIN { after - before } else { *after };
     after.iter().zip(before).map(gain).collect()
 }
 
-/// The largest power, up to `rest`, of the likelihood that leaves `enough` particles; all of it
-/// where not even the least part does: the observations then contradict the particle set.
-fn bearable(before: &[f64], rated: &[f64], rest: f64, enough: f64) -> f64 {
+/// The largest power, up to `rest`, of the likelihood that leaves `enough` effective particles; all
+/// of it where not even the smallest one does: the observations then contradict the particles.
+fn largest_share(before: &[f64], rated: &[f64], rest: f64, enough: f64) -> f64 {
     let (mut low, mut high) = (0.0, rest);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        let bears = sample_size(before, rated, middle) >= enough;
-        if bears { low = middle } else { high = middle }
+        let suffices = sample_size(before, rated, middle) >= enough;
+        if suffices { low = middle } else { high = middle }
     }
     if low > 0.0 { low } else { rest }
 }
@@ -240,14 +245,13 @@ fn sample_size(log_weights: &[f64], rated: &[f64], power: f64) -> f64 {
     if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 
-/// Poses anywhere in a region.
-pub(super) fn scattered(region: &Bounds, count: usize, rng: &mut ChaCha8Rng) -> Particles {
+/// Particles drawn uniformly from a region.
+pub(super) fn uniform(region: &Bounds, count: usize, rng: &mut ChaCha8Rng) -> Particles {
     Particles::from_poses((0..count).map(|_| anywhere(region, rng)))
 }
 
-// How well the observations fit, now and in the long run (augmented MCL).
-
-/// Two averages of the mean likelihood of an observation, as a share of the largest that it could have.
+/// How well the observations fit (augmented MCL): two averages of the mean likelihood of an
+/// observation, as a share of the largest that it could have.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Fit {
     count: u32,
@@ -256,9 +260,9 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// Takes in the observations of one moment: the logarithms of their mean likelihood over the particle set
-    /// and of the largest possible one, and their number. Answers with the share of particles to
-    /// replace.
+    /// Updates with the observations of one time: the logarithms of their mean likelihood over the
+    /// particles and of the largest possible one, and their number. Returns the share of particles
+    /// to replace.
     pub(super) fn update(
         &mut self,
         log_mean: f64,

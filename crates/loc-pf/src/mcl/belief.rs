@@ -149,8 +149,8 @@ impl Belief {
     }
 }
 
-/// Log-likelihood of a beam at the true pose: three of four beams end on obstacles of the map, and at
-/// least half of them.
+/// Log-likelihood of a beam at the true pose: three of four beams end on obstacles of the map, and
+/// at least half of them.
 fn usual_evidence(field: &LikelihoodFieldSettings) -> UsualEvidence {
     // The mean of -d^2 / (2 sigma^2) over the hits is -1/2.
     let hit = field.likelihood(0.0).ln() - 0.5;
@@ -165,8 +165,8 @@ pub(super) enum Step {
     Path(NoisyStep),
     Differential(DifferentialStep),
     Omnidirectional(OmnidirectionalStep),
-    /// From the initial pose distribution, independent of the pose of a particle: mean, and a factor
-    /// of the covariance.
+    /// From the initial pose distribution, independent of the pose of a particle: mean, and a
+    /// factor of the covariance.
     Start(Vector3<f64>, Matrix3<f64>),
 }
 
@@ -184,8 +184,8 @@ impl Step {
         })
     }
 
-    /// The motion from the initial pose distribution to the first scan; its covariance was checked at
-    /// the start.
+    /// The motion from the initial pose distribution to the first scan; its covariance was checked
+    /// at the start.
     pub(super) fn from_start(path: &DrivenPath, belief: &Gaussian<3>, noise: &PathNoise) -> Self {
         let belief = noise.belief_after(path, belief);
         Step::Start(belief.mean, belief.factor())

@@ -2,9 +2,9 @@
 //!
 //! [`Mcl`] is the whole filter behind one settings struct: feed it the odometry's pose and what the
 //! lasers measured there, and read the pose. Its update is the textbook's (sample the motion,
-//! weigh, resample) with three additions: scans with a narrow likelihood are used in stages ([`crate::tempering`]),
-//! scans that fit badly raise the probability that the robot is elsewhere ([`crate::recovery`]), and
-//! then the whole map is searched ([`loc_maps::search`]).
+//! weigh, resample) with three additions: scans with a narrow likelihood are used in stages
+//! ([`crate::tempering`]), scans that fit badly raise the probability that the robot is elsewhere
+//! ([`crate::recovery`]), and then the whole map is searched ([`loc_maps::search`]).
 //!
 //! The files: this one has the filter, its update and its saved state; `belief` the particles with
 //! prediction, correction and resampling; `scan` the scans and the map prepared for the sensor
@@ -166,7 +166,8 @@ impl Mcl {
     ///
     /// # Errors
     /// [`loc_core::Error::NotACovariance`], and [`Error::OffMap`] for a mean that is not on the map
-    /// (walls and unknown space are allowed: a map may be wrong there). The filter is then unchanged.
+    /// (walls and unknown space are allowed: a map may be wrong there). The filter is then
+    /// unchanged.
     pub fn start_at(&mut self, belief: &Gaussian<3>) -> Result<()> {
         let pose = belief.pose();
         check_covariance("covariance of the start pose", &belief.covariance)?;
@@ -191,8 +192,8 @@ impl Mcl {
         self.estimate = self.clusterer.estimate(belief.filter.particles());
     }
 
-    /// Records the pose of the odometry between two scans: the noise of a path depends on its length,
-    /// which its ends alone do not determine.
+    /// Records the pose of the odometry between two scans: the noise of a path depends on its
+    /// length, which its ends alone do not determine.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for a pose that is not finite, which is not recorded.
@@ -202,8 +203,8 @@ impl Mcl {
         Ok(())
     }
 
-    /// Updates with the pose of the odometry and the scans taken there. The first scan after a start
-    /// is used in any case, later ones when the robot has moved enough.
+    /// Updates with the pose of the odometry and the scans taken there. The first scan after a
+    /// start is used in any case, later ones when the robot has moved enough.
     ///
     /// A jump of the odometry is a motion like any other: the particles follow it, and if no scan
     /// confirms it the robot is searched for. Without valid beams the particles are only moved.

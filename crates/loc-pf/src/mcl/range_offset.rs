@@ -2,10 +2,10 @@
 //!
 //! A laser may report every range some centimetres short or long, and a map may show its walls in
 //! front of or behind where beams end: drawn a cell too thick, smeared by the poses that it was
-//! made from, or cut off by a simulator's steps. Both have the same effect: all beams end before the
-//! walls, or behind them, at any pose. In a room a pose can compensate half of that (the robot
-//! seems to be nearer to the wall that it faces), so pose and offset are estimated jointly: around the
-//! pose of an update the log-likelihood of the scan is a quadratic function of pose and offset,
+//! made from, or cut off by a simulator's steps. Both have the same effect: all beams end before
+//! the walls, or behind them, at any pose. In a room a pose can compensate half of that (the robot
+//! seems to be nearer to the wall that it faces), so pose and offset are estimated jointly: around
+//! the pose of an update the log-likelihood of the scan is a quadratic function of pose and offset,
 //! whose curvature gives the information about the offset with the pose unknown. The offsets of the
 //! scans are averaged over the drive, and their scatter gives the standard deviation.
 

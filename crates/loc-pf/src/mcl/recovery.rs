@@ -3,12 +3,12 @@
 //! One scan is weak evidence. Among people it may fit a false pose better than the true one, and a
 //! filter that follows it is lost. So the pose candidates that a search finds far away do not enter
 //! the particle set. They become an [`Alternative`] hypothesis, which is moved and weighted as the
-//! tracked belief is. Two criteria compare both over the next scans: the likelihood of the scans, and
-//! the monitor of [`crate::confidence`], which rates how the map explains all beams at the pose that
-//! a belief reports, above all whether beams end behind walls, which people cannot cause. The
-//! alternative replaces the tracked belief once both criteria call it clearly better and the monitor
-//! gives the tracked belief less than even odds. The belief that was tracked until then becomes the
-//! alternative, for a limited number of scans.
+//! tracked belief is. Two criteria compare both over the next scans: the likelihood of the scans,
+//! and the monitor of [`crate::confidence`], which rates how the map explains all beams at the pose
+//! that a belief reports, above all whether beams end behind walls, which people cannot cause. The
+//! alternative replaces the tracked belief once both criteria call it clearly better and the
+//! monitor gives the tracked belief less than even odds. The belief that was tracked until then
+//! becomes the alternative, for a limited number of scans.
 
 use super::Mcl;
 use super::belief::{Belief, Step};
@@ -60,8 +60,8 @@ enum Found {
 }
 
 impl Mcl {
-    /// Updates the alternative with the scans or, if the tracked belief is doubtful, searches for one.
-    /// Returns whether the map was searched.
+    /// Updates the alternative with the scans or, if the tracked belief is doubtful, searches for
+    /// one. Returns whether the map was searched.
     pub(super) fn update_alternative(
         &mut self,
         step: &Step,
@@ -95,8 +95,8 @@ impl Mcl {
         Ok(())
     }
 
-    /// How much better scans fit at some particles than at the tracked ones \[nats\]. All beams count,
-    /// also those that a novelty filter would drop.
+    /// How much better scans fit at some particles than at the tracked ones \[nats\]. All beams
+    /// count, also those that a novelty filter would drop.
     fn gain(&self, particles: &Particles, scans: &[MountedScan<'_>]) -> Result<f64> {
         let beams: Vec<_> = scans.iter().map(|s| select(s.scan, &self.settings)).collect();
         let endpoints = endpoints(scans, &beams, self.range_offset());
@@ -134,8 +134,8 @@ impl Mcl {
         std::mem::swap(self.belief.filter.particles_mut(), &mut alternative.particles);
     }
 
-    /// Searches for the robot where it is not tracked. Particles found beside the reported pose enter
-    /// the particle set; candidates elsewhere become the alternative.
+    /// Searches for the robot where it is not tracked. Particles found beside the reported pose
+    /// enter the particle set; candidates elsewhere become the alternative.
     pub(super) fn search_alternative(
         &mut self,
         scans: &[MountedScan<'_>],
@@ -157,11 +157,12 @@ impl Mcl {
         }
     }
 
-    /// Searches around the reported pose, then over the whole map: wheel slip and wrong initial poses
-    /// are more frequent than kidnapping. A candidate counts where the scans fit better than at the
-    /// tracked belief.
+    /// Searches around the reported pose, then over the whole map: wheel slip and wrong initial
+    /// poses are more frequent than kidnapping. A candidate counts where the scans fit better than
+    /// at the tracked belief.
     ///
-    /// All beams are used, also those that a novelty filter drops: it selects by the tracked belief.
+    /// All beams are used, also those that a novelty filter drops: it selects by the tracked
+    /// belief.
     fn search(&mut self, scans: &[MountedScan<'_>]) -> Result<Found> {
         let offset = self.range_offset();
         let Mcl { map, belief, rater, clusterer, settings, .. } = self;
@@ -193,7 +194,7 @@ impl Mcl {
     /// After a search without result: the next one is postponed, unless the robot is lost anyway.
     pub(super) fn postpone_search(&mut self) {
         let is_lost = self.monitor.probability() > 0.5;
-        self.belief.suspicion.iter_mut().for_each(|suspicion| suspicion.put_off(is_lost));
+        self.belief.suspicion.iter_mut().for_each(|suspicion| suspicion.postpone(is_lost));
     }
 }
 
@@ -210,7 +211,8 @@ impl Alternative {
     }
 
     /// Whether to replace the tracked belief. Where the map is poor, no pose is rated more likely
-    /// right than wrong: then the alternative must be the better one for the maximum number of scans.
+    /// right than wrong: then the alternative must be the better one for the maximum number of
+    /// scans.
     fn replaces(&self, tracked: &LostMonitor) -> bool {
         let needed = if self.monitor.log_odds() < 0.0 { MIN_SCANS } else { MAX_SCANS };
         self.scans >= needed && self.is_better_than(tracked)
@@ -292,8 +294,8 @@ pub(super) struct Elsewhere {
     pub(super) log_evidence: f64,
 }
 
-/// The candidates that the monitor rates about as credible as the best one. People at 1 m around the
-/// robot resemble a closet, but in a real closet other beams would pass through walls.
+/// The candidates that the monitor rates about as credible as the best one. People at 1 m around
+/// the robot resemble a closet, but in a real closet other beams would pass through walls.
 fn credible(candidates: Vec<Pose2>, shift: impl FnMut(Pose2) -> f64) -> Vec<Pose2> {
     let shifts: Vec<f64> = candidates.iter().copied().map(shift).collect();
     let min = shifts.iter().copied().fold(f64::INFINITY, f64::min);

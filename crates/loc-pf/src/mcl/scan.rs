@@ -4,7 +4,7 @@
 use super::{MclSettings, NoveltyFilter, SensorSettings, Weighting};
 use crate::initial::FreeSpace;
 use crate::novelty::{BeliefSample, by_field};
-use crate::sensor::beam::{telling_beams_from, thinned};
+use crate::sensor::beam::{informative_beams_from, thinned};
 use crate::sensor::{BeamLikelihood, FieldLikelihood, SumOfCubes};
 use crate::{Likelihood, Particles, Poses, Result};
 use loc_core::Pose2;
@@ -47,7 +47,7 @@ pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
     match settings.sensor {
         SensorSettings::Beam(_) => {
             let nearest = settings.min_range.max(scan.range_min);
-            telling_beams_from(scan, nearest, settings.beams)
+            informative_beams_from(scan, nearest, settings.beams)
         }
         SensorSettings::LikelihoodField(_) => {
             let range = settings.min_range..=settings.max_range;
@@ -59,8 +59,8 @@ pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
     }
 }
 
-/// Where the selected beams of all scans end, in the robot's frame, if all ranges are `offset` \[m\]
-/// longer than measured.
+/// Where the selected beams of all scans end, in the robot's frame, if all ranges are `offset`
+/// \[m\] longer than measured.
 pub(super) fn endpoints(scans: &[MountedScan<'_>], beams: &[Vec<usize>], offset: f64) -> Endpoints {
     let ends = scans.iter().zip(beams).flat_map(|(mounted, beams)| {
         let returned = beams.iter().map(|&index| (index, mounted.scan.ranges[index]));

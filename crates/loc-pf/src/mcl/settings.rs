@@ -1,4 +1,4 @@
-//! All settings of Monte Carlo localization, with defaults that serve most robots.
+//! All settings of Monte Carlo localization, with defaults for most robots.
 
 use super::RangeOffset;
 use crate::confidence::LostSettings;
@@ -16,18 +16,19 @@ use loc_maps::likelihood_field::{LikelihoodFieldSettings, Obstacles};
 /// Settings of [`Mcl`](crate::Mcl).
 ///
 /// In a file, the parts that may be missing (`novelty`, `tempering`, `recovery.suspicion`,
-/// `recovery.augmented`, `beam_skip`) are tables, or `false` for none and `true` for their defaults.
+/// `recovery.augmented`, `beam_skip`) are tables, or `false` for none and `true` for their
+/// defaults.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct MclSettings {
-    /// How many particles.
+    /// The number of particles.
     pub particles: KldSettings,
     /// Noise of the odometry.
     pub motion: MotionSettings,
     /// How scans rate poses.
     pub sensor: SensorSettings,
-    /// Most beams of a scan that are used (`max_beams`).
+    /// Maximum number of beams of a scan that are used (`max_beams`).
     pub beams: usize,
     /// As how many independent beams a scan counts, if it has more: its beams see the same walls,
     /// with the same errors of the map.
@@ -41,7 +42,7 @@ pub struct MclSettings {
     /// Drops beams that people or new furniture cut short (K3); `None` for none.
     #[cfg_attr(feature = "serde", serde(with = "optional"))]
     pub novelty: Option<NoveltyFilter>,
-    /// How narrow likelihoods are taken in; `None` for the plain filter, which weighs once.
+    /// Tempering of narrow likelihoods; `None` for the plain filter, which weights once.
     #[cfg_attr(feature = "serde", serde(with = "optional"))]
     pub tempering: Option<TemperingSettings>,
     /// No update before the robot has driven this far \[m\] (`update_min_d`) ..
@@ -52,9 +53,9 @@ pub struct MclSettings {
     pub resampling: Resampling,
     /// When the plain filter draws particles.
     pub policy: ResamplePolicy,
-    /// How the robot is found again, and found at the start.
+    /// Recovery, and the search at the start.
     pub recovery: RecoverySettings,
-    /// How the particle set falls into clusters.
+    /// Clustering of the particles.
     pub clusters: ClusterSettings,
     /// When the robot counts as lost.
     pub lost: LostSettings,
@@ -67,7 +68,7 @@ pub struct MclSettings {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum MotionSettings {
-    /// Any drive: variances grow with the way driven, and odometry fails now and then.
+    /// Any drive: variances grow with the distance travelled, and odometry fails occasionally.
     Path(PathNoise),
     /// A differential drive: turn, drive, turn (`alpha1` to `alpha4`).
     Differential(OdometryNoise),
@@ -86,14 +87,14 @@ pub enum SensorSettings {
     Beam(BeamModelSettings),
 }
 
-/// A filter against what is on no map (K3).
+/// A novelty filter, against objects that are not in the map (K3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum NoveltyFilter {
-    /// Drops beams that are surely shorter than the map says.
+    /// Drops beams that are very likely shorter than expected by the map.
     Distance(DistanceFilter),
-    /// Drops beams that make the belief less certain.
+    /// Drops beams that increase the entropy of the belief.
     Entropy(EntropyFilter),
 }
 
@@ -108,7 +109,7 @@ pub struct FieldSettings {
     pub field: LikelihoodFieldSettings,
     /// How the beams of a scan are taken together.
     pub weighting: Weighting,
-    /// Leaves out beams that end on what is on no map.
+    /// Beam skipping: leaves out beams that end on objects that are not in the map.
     #[cfg_attr(feature = "serde", serde(with = "optional"))]
     pub beam_skip: Option<BeamSkip>,
 }
@@ -130,8 +131,8 @@ pub enum Weighting {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct RecoverySettings {
-    /// Searches the whole map for the scan at a start from nowhere and on suspicion; without it,
-    /// such a start spreads particles evenly.
+    /// Searches the whole map for the scan at a start without pose and when the robot may be
+    /// elsewhere; without it, such a start spreads particles uniformly.
     pub search: bool,
     /// When to update_suspicion that the robot is elsewhere; `None` for never.
     #[cfg_attr(feature = "serde", serde(with = "optional"))]
@@ -265,8 +266,6 @@ impl MclSettings {
         self.clusters.validate()
     }
 }
-
-// The likelihood field that the filter starts from.
 
 /// A sharper field than nav2_amcl's, on the surfaces of the walls: the filter can follow it.
 pub(super) fn sharp() -> LikelihoodFieldSettings {

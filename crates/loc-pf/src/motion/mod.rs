@@ -1,9 +1,9 @@
 //! Motion models: where a robot may be after a step, drawn for each of many poses (M4).
 //!
-//! A robot never moves quite as it was told, or as its wheels say. A motion model draws for every
-//! particle one step that may have been: the step that was measured plus noise, carried out from
-//! the particle's pose. Each model here is computed once per step and then moves many poses at
-//! once: [`DifferentialStep`] and [`OmnidirectionalStep`] from two poses of the odometry,
+//! A robot does not move exactly as commanded or as its odometry measures. A motion model draws for
+//! every particle one possible step: the measured step plus noise, applied to the particle's pose.
+//! Each model here is computed once per step and then moves many poses at once:
+//! [`DifferentialStep`] and [`OmnidirectionalStep`] from two poses of the odometry,
 //! [`VelocityStep`] from a velocity, [`AckermannStep`] from speed and steering angle. A closure
 //! from pose to pose is a motion model too.
 //!
@@ -25,12 +25,10 @@
 //! # Ok::<(), loc_pf::Error>(())
 //! ```
 //!
-//! The step of a driven path for particles.
-//!
-//! How far odometry may be off after a way is [`PathNoise`]'s business. Now and then a wheel spins,
-//! the robot is stuck or pushed, or its encoders count the wrong way, and odometry is wrong by as
-//! much as it reports. A small share of the particles takes that into account at every step;
-//! without them such a moment loses the robot.
+//! [`NoisyStep`] is the step of a driven path. [`PathNoise`] gives the error of odometry along a path.
+//! Occasionally a wheel slips, the robot is stuck or pushed, or an encoder counts in the wrong
+//! direction, and the error of odometry is as large as the reported step. At every step a small
+//! share of the particles is drawn with such an error; without them the robot would then be lost.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -67,8 +65,8 @@ pub trait Motion: Sync {
 
 /// A motion as a function of the pose before and of standard normal numbers.
 ///
-/// Whoever knows the numbers behind a particle can change them a little and place the particle
-/// anew, without leaving what the motion allows: see [`Tempering`](crate::Tempering).
+/// With the noise of a particle known, it can be changed a little and the particle moved again,
+/// within the distribution of the motion: see [`Tempering`](crate::Tempering).
 pub trait Transport: Sync {
     /// The pose that `noise`, four independent standard normal numbers, leads to from `pose`.
     fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2;
@@ -91,7 +89,7 @@ pub struct NoisyStep {
     /// Standard deviations along, across and of the heading.
     sigmas: [f64; 3],
     faulty_sigmas: [f64; 3],
-    /// Odometry has failed where the fourth number lies above this.
+    /// Odometry has failed where the fourth number is above this.
     fault_above: f64,
 }
 
@@ -99,8 +97,8 @@ impl NoisyStep {
     /// The step of a driven path.
     pub fn new(path: &DrivenPath, noise: &PathNoise) -> Self {
         let variances = noise.variances(path);
-        let least = [noise.min_position, noise.min_position, noise.min_heading];
-        let sigma = |k: usize, more: f64| (variances[k] + least[k].powi(2) + more.powi(2)).sqrt();
+        let min = [noise.min_position, noise.min_position, noise.min_heading];
+        let sigma = |k: usize, more: f64| (variances[k] + min[k].powi(2) + more.powi(2)).sqrt();
         let fault = PathNoise::fault_sigmas(path);
         let quantile = Normal::STANDARD.quantile(1.0 - noise.fault_probability);
         NoisyStep {
@@ -113,13 +111,12 @@ impl NoisyStep {
 }
 
 impl Transport for NoisyStep {
-    /// The four numbers stand for the noise along, across, of the heading, and for whether odometry
-    /// failed.
+    /// The four numbers are the noise along, across, of the heading, and whether odometry failed.
     fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
         let failed = noise[3] > self.fault_above;
         let sigmas = if failed { self.faulty_sigmas } else { self.sigmas };
         let turn = sigmas[2] * noise[2];
-        // On the average over the way the heading is off by half of what it is off at the end.
+        // Averaged over the path, the error of the heading is half of that at its end.
         let (sin, cos) = (0.5 * turn).sin_cos();
         let along = self.step.x + sigmas[0] * noise[0];
         let across = self.step.y + sigmas[1] * noise[1];
@@ -148,16 +145,14 @@ impl Motion for NoisyStep {
     }
 }
 
-// What all models share: many poses moved in one vectorised loop.
-
 /// A displacement in a frame that is turned against the robot's.
 #[derive(Debug, Clone, Copy)]
 struct Displacement {
     /// How far the frame is turned against the robot's heading before the step \[rad\].
     direction: f64,
-    /// Way in that direction \[m\].
+    /// Distance in that direction \[m\].
     along: f64,
-    /// Way at a right angle to it, to the left \[m\].
+    /// Distance at a right angle to it, to the left \[m\].
     across: f64,
     /// Change of the heading \[rad\].
     turn: f64,
@@ -170,7 +165,7 @@ trait Step: Copy {
     fn draw(self, noise: [f64; 3]) -> Displacement;
 }
 
-/// One pose moved by the step that given numbers stand for.
+/// One pose moved by the step with given noise.
 fn moved<S: Step>(step: S, pose: Pose2, noise: [f64; 4]) -> Pose2 {
     let [first, second, third, _] = noise;
     let Displacement { direction, along, across, turn } = step.draw([first, second, third]);
@@ -227,15 +222,15 @@ fn angle_sigma(variance: f64) -> f64 {
     variance.sqrt().min(1e3)
 }
 
-/// The standard deviation of a way \[m\], bounded too: no coordinate overflows.
+/// The standard deviation of a distance \[m\], bounded too: no coordinate overflows.
 fn way_sigma(variance: f64) -> f64 {
     variance.sqrt().min(FURTHEST)
 }
 
-/// Checks that a way \[m\] or a turn \[rad\] is one that a robot can make.
+/// Checks that a distance \[m\] or a turn \[rad\] is possible for a robot.
 fn bounded(what: &'static str, value: f64) -> Result<f64> {
     Ok(in_range(what, "a number in [-1e9, 1e9]", value, |value| value.abs() <= FURTHEST)?)
 }
 
-/// No robot moves further in one step \[m\].
+/// Maximum distance of a step \[m\].
 const FURTHEST: f64 = 1e9;

@@ -1,4 +1,5 @@
-//! The odometry model (rot1, trans, rot2) of a differential drive.
+//! The odometry models of nav2_amcl: (rot1, trans, rot2) of a differential drive, and that of an
+//! omnidirectional drive.
 
 use super::{
     Displacement, Motion, Step, Transport, angle_sigma, bounded, move_all, moved, way_sigma,
@@ -13,11 +14,11 @@ use loc_core::random::ChaCha8Rng;
 /// Robotics, table 5.6).
 ///
 /// Backward drives keep their small turns ([`OdometryMotion::between`]), and so their small noise.
-/// When a robot turns on the spot, the direction of the few millimetres that it moves is chance, and
-/// the textbook would take it for a large turn forth and back. Here the noise knows better: of
-/// `rot1`, the share `d^2 / (d^2 + d0^2)` counts as a turn of its own, with the way `d` and
-/// `d0` = [`SHORT_DRIVE`](DifferentialStep::SHORT_DRIVE); the rest of the whole turn counts as
-/// `rot2`. The step itself is not changed.
+/// When a robot turns on the spot, the direction of the few millimetres that it moves is random,
+/// and the textbook takes it for a large turn forth and back. Here, of `rot1`, the share
+/// `d^2 / (d^2 + d0^2)` counts as a separate turn, with the distance `d` and `d0` =
+/// [`SHORT_DRIVE`](DifferentialStep::SHORT_DRIVE); the rest of the whole turn counts as `rot2`. The
+/// step itself is not changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DifferentialStep {
     motion: OdometryMotion,
@@ -26,7 +27,7 @@ pub struct DifferentialStep {
 }
 
 impl DifferentialStep {
-    /// Way \[m\] at which the direction of travel is half chance.
+    /// Distance \[m\] at which half of `rot1` counts as a separate turn.
     pub const SHORT_DRIVE: f64 = 0.01;
 
     /// A step with its noise.
@@ -88,13 +89,11 @@ impl Motion for DifferentialStep {
 }
 
 impl Transport for DifferentialStep {
-    /// The first three numbers stand for the noise, in the order of [`sigmas`](DifferentialStep::sigmas).
+    /// The first three numbers are the noise, in the order of [`sigmas`](DifferentialStep::sigmas).
     fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
         moved(*self, pose, noise)
     }
 }
-
-// The odometry model of a drive that moves sideways as well.
 
 /// Noise of a drive that moves in any direction, with the meaning and the names of nav2_amcl's
 /// `OmniMotionModel`: variances of a step that goes `d` \[m\] and turns by `a` \[rad\].
@@ -104,13 +103,13 @@ impl Transport for DifferentialStep {
 pub struct OmnidirectionalNoise {
     /// Turn variance per squared turn \[-\].
     pub alpha1: f64,
-    /// Turn variance per squared way \[rad^2/m^2\].
+    /// Turn variance per squared distance \[rad^2/m^2\].
     pub alpha2: f64,
-    /// Variance along the way, per squared way \[-\].
+    /// Variance along the path, per squared distance \[-\].
     pub alpha3: f64,
-    /// Variance along and across the way, per squared turn \[m^2/rad^2\].
+    /// Variance along and across the path, per squared turn \[m^2/rad^2\].
     pub alpha4: f64,
-    /// Variance across the way, per squared way \[-\].
+    /// Variance across the path, per squared distance \[-\].
     pub alpha5: f64,
 }
 
@@ -143,7 +142,7 @@ pub struct OmnidirectionalStep {
     step: Pose2,
     /// Cosine and sine of the direction of travel, against the heading.
     direction: [f64; 2],
-    /// Standard deviations along the way, across it, and of the turn.
+    /// Standard deviations along the path, across it, and of the turn.
     sigmas: [f64; 3],
 }
 
@@ -168,7 +167,7 @@ impl OmnidirectionalStep {
         Ok(OmnidirectionalStep { step, direction, sigmas })
     }
 
-    /// Standard deviations along the way, across it, and of the turn \[m, m, rad\].
+    /// Standard deviations along the path, across it, and of the turn \[m, m, rad\].
     pub fn sigmas(&self) -> [f64; 3] {
         self.sigmas
     }
@@ -195,7 +194,8 @@ impl Motion for OmnidirectionalStep {
 }
 
 impl Transport for OmnidirectionalStep {
-    /// The first three numbers stand for the noise, in the order of [`sigmas`](OmnidirectionalStep::sigmas).
+    /// The first three numbers are the noise, in the order of
+    /// [`sigmas`](OmnidirectionalStep::sigmas).
     fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
         moved(*self, pose, noise)
     }

@@ -1,4 +1,5 @@
-//! A velocity for a time, with noise of the control (M4).
+//! Steps from a velocity, or from speed and steering angle, over a time, with noise of the control
+//! (M4).
 
 use super::{Displacement, Motion, Step, angle_sigma, bounded, move_all};
 use crate::elementary::sin_cos;
@@ -65,8 +66,8 @@ impl VelocityStep {
     }
 }
 
-/// Where a step of a given turn leads: straight along `direction` \[rad\], by `length` times the way
-/// driven.
+/// Where a step of a given turn leads: straight along `direction` \[rad\], by `length` times the
+/// distance travelled.
 pub(super) trait ChordRule: Copy {
     fn chord(self, turn: f64) -> (f64, f64);
 }
@@ -136,15 +137,13 @@ impl Motion for VelocityStep {
     }
 }
 
-// A car: speed and steering angle for a time, with noise on both.
-
-/// Speed and steering angle of a car for a time `dt`, both drawn anew for every particle; the pose
+/// Speed and steering angle of a car for a time `dt`, both drawn for every particle; the pose
 /// is that of the rear axle, which drives the exact arc of [`Ackermann::twist`].
 ///
 /// Noise that would steer further than [`SHARPEST`](AckermannStep::SHARPEST) is cut there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AckermannStep {
-    /// Way of the rear axle and its standard deviation \[m\].
+    /// Distance travelled by the rear axle and its standard deviation \[m\].
     way: [f64; 2],
     /// Steering angle and its standard deviation \[rad\].
     steering: [f64; 2],
@@ -153,7 +152,7 @@ pub struct AckermannStep {
 }
 
 impl AckermannStep {
-    /// No front wheel turns further than this \[rad\].
+    /// Maximum angle of a front wheel \[rad\].
     pub const SHARPEST: f64 = 1.4;
 
     /// A step at `speed` \[m/s\] and `steering` \[rad\] for `dt` \[s\]; `sigmas` are their standard

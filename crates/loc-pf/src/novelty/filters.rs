@@ -1,4 +1,4 @@
-//! Beams that are shorter than the map lets expect.
+//! The two novelty filters: [`DistanceFilter`] and [`EntropyFilter`].
 
 use super::{BeliefSample, Kept, without};
 use crate::Result;
@@ -10,26 +10,26 @@ use loc_maps::RayCaster;
 use nalgebra::Point2;
 
 /// Drops a beam that is, averaged over the belief, shorter than expected with more than a given
-/// probability (K3): something that is on no map stands in its way.
+/// probability (K3): something that is not in the map blocks it.
 ///
-/// A beam of range d is shorter than expected with `P(d < d* + e)`, e of `N(0, sigma_hit^2)`,
-/// where the map lets expect d*; with 1 where it lets expect nothing. Beams without a return are
-/// never dropped. What keeps it from throwing away what is needed:
+/// A beam of range d is shorter than expected with `P(d < d* + e)`, e of `N(0, sigma_hit^2)`, with
+/// d* the range expected by the map; with 1 where no return is expected. Beams without a return are
+/// never dropped. It keeps the beams that are needed:
 ///
 /// * with a wide belief (global localization) a beam is dropped only where it is too short nearly
-///   everywhere the robot may be;
+///   everywhere in the belief;
 /// * where more than `max_dropped` of the beams are too short, the belief is wrong rather than
-///   the room full, and all are kept;
-/// * beams that are too long are kept always, and tell a robot at a wrong place that it is lost;
-/// * in a room as mapped a beam has to be too short by 2.3 `sigma_hit` at all poses, which noise
-///   and a particle set off by less hardly do.
+///   the room crowded, and all are kept;
+/// * beams that are too long are always kept; they are the evidence for a wrong pose;
+/// * in a room as mapped a beam has to be too short by 2.3 `sigma_hit` at all poses, which is rare
+///   by noise and by smaller errors of the belief.
 ///
 /// A few rays are cast for a beam that is kept, one for each pose of the sample for a dropped one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct DistanceFilter {
-    /// The probability from which on a beam is dropped.
+    /// The probability from which a beam is dropped.
     pub threshold: f64,
     /// Standard deviation of what measures the obstacle of the map \[m\].
     pub sigma_hit: f64,
@@ -69,7 +69,7 @@ impl DistanceFilter {
         self.validate()?;
         let mut suspects = suspects(mounted, beams);
         let frame = caster.frame();
-        // Pose by pose: the first one clears most beams.
+        // Pose by pose: the first one explains most beams.
         for (pose, weight) in sample.poses().iter().zip(sample.weights()) {
             let laser = *pose * mounted.mounting;
             let (sin, cos) = laser.theta.sin_cos();
@@ -100,13 +100,12 @@ impl DistanceFilter {
     }
 }
 
-/// Where the obstacle is this much farther away than the beam says, it does not matter how far
-/// \[sigma_hit\].
+/// Obstacles farther than this behind the measured range count the same \[sigma_hit\].
 const FAR: f64 = 8.0;
 
-/// A beam that no pose has explained so far.
+/// A beam not explained by any pose so far.
 struct Suspect {
-    /// Its place in the list of beams.
+    /// Its index in the list of beams.
     index: usize,
     /// Its direction in the laser's frame, a unit vector.
     direction: [f64; 2],
@@ -115,7 +114,7 @@ struct Suspect {
     not_short: f64,
 }
 
-/// The beams that returned from somewhere.
+/// The beams with a return.
 fn suspects(mounted: &MountedScan<'_>, beams: &[usize]) -> Vec<Suspect> {
     let scan = mounted.scan;
     let suspect = |(index, &beam): (usize, &usize)| {
@@ -126,23 +125,21 @@ fn suspects(mounted: &MountedScan<'_>, beams: &[usize]) -> Vec<Suspect> {
     beams.iter().enumerate().filter_map(suspect).collect()
 }
 
-// Beams that would make the robot less sure.
-
 /// Drops a beam after which the belief would be less certain than before (K3): its entropy
 /// `H = -integral b ln b` rises.
 ///
 /// A beam that fits the belief sharpens it. One that hits a person moves weight to the edge of the
-/// belief, or to places that were all but ruled out. So does a beam that rightly tells the robot
-/// that it is somewhere else: with this filter alone a kidnapped robot stays lost. Where more than
+/// belief, or to poses that were nearly excluded. So does a beam that is evidence for the robot
+/// being elsewhere: with this filter alone a kidnapped robot stays lost. Where more than
 /// `max_dropped` of the beams raise the entropy, all are kept.
 ///
-/// Of the density before the beam, the Gaussian with the sample's mean and covariance is taken;
-/// what the beam makes of it is counted over the sample, whatever its shape.
+/// The density before the beam is the Gaussian with the mean and covariance of the sample; the
+/// change by the beam is summed over the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct EntropyFilter {
-    /// A rise up to this is let through \[nat\]: with a few poses the entropies are uncertain.
+    /// A rise up to this is accepted \[nat\]: with a few poses the entropies are uncertain.
     pub tolerance: f64,
     /// The largest share of the beams that is dropped.
     pub max_dropped: f64,
@@ -165,8 +162,8 @@ impl EntropyFilter {
         Ok(())
     }
 
-    /// Which of the beams numbered `beams` to keep, those that say nothing included. `rating` is
-    /// the logarithm of the likelihood of a beam, as [`by_field`](super::by_field) or
+    /// Which of the beams numbered `beams` to keep, including those without information. `rating`
+    /// is the logarithm of the likelihood of a beam, as [`by_field`](super::by_field) or
     /// [`by_casting`](super::by_casting) give it.
     ///
     /// # Errors
@@ -220,7 +217,7 @@ fn change(prior: &[f64], weights: &[f64], ratings: &[f64]) -> f64 {
         let new = weight * rating.exp();
         total += new;
         before -= weight * log_density;
-        // A weight of 0 counts for nothing, even with a rating of -inf.
+        // A weight of 0 does not count, even with a rating of -inf.
         after -= if new > 0.0 { new * (log_density + rating) } else { 0.0 };
     }
     after / total + total.ln() - before

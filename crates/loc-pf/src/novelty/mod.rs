@@ -1,15 +1,15 @@
 //! Novelty filters: leaving out the beams that hit what is on no map (K3).
 //!
-//! A localizer takes for granted that measurements depend on the pose alone. People who walk along
-//! with a robot break that for many cycles in a row: the beams that end on them agree with some
-//! wrong place, and in the end the filter does too. Fox, Burgard and Thrun ("Markov localization
-//! for mobile robots in dynamic environments", 1999) sort beams out before they are used, by what
-//! the robot believes already. The [`DistanceFilter`] drops a beam that is almost surely shorter
-//! than the map lets expect; it is for range finders, and what to use. The [`EntropyFilter`] drops
-//! a beam that would make the robot less sure of its pose; it works for any sensor, but also drops
-//! the news that the robot is somewhere else.
+//! A localizer assumes that measurements depend on the pose alone. People who walk along with a
+//! robot violate that for many cycles in a row: the beams that end on them agree with some wrong
+//! pose, to which the filter finally converges. Fox, Burgard and Thrun ("Markov localization for
+//! mobile robots in dynamic environments", 1999) remove beams before they are used, by the present
+//! belief. The [`DistanceFilter`] drops a beam that is very likely shorter than expected by the
+//! map; it is for range finders, and the one to prefer. The [`EntropyFilter`] drops a beam that
+//! would increase the uncertainty of the pose; it works for any sensor, but also drops the evidence
+//! that the robot is elsewhere.
 //!
-//! Both look at a [`BeliefSample`], a few poses of the particle set after the motion and before weighing.
+//! Both use a [`BeliefSample`], a few poses of the particles after the motion and before weighting.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -22,7 +22,7 @@
 //! let mut grid = OccupancyGrid::filled(GridFrame::new(200, 200, 0.05, Pose2::IDENTITY)?, 0);
 //! (0..200).try_for_each(|row| grid.set(Cell::new(160, row), 100))?;
 //! let caster = RayCaster::new(&grid);
-//! // The wall is 3 m ahead; somebody stands before the second of the five beams.
+//! // The wall is 3 m ahead; a person stands before the second of the five beams.
 //! let scan = LaserScan {
 //!     angle_min: -0.2, angle_max: 0.2, angle_increment: 0.1,
 //!     time_increment: 0.0, scan_time: 0.1, range_min: 0.1, range_max: 20.0,
@@ -47,28 +47,27 @@ use loc_core::{Pose2, angle};
 use loc_maps::{LikelihoodField, RayCaster};
 use nalgebra::{Matrix3, Point2, Vector3};
 
-/// What a filter says of the beams of a scan.
+/// The result of a filter for the beams of a scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kept {
     /// Numbers of the beams to use, in the order in which they were given.
     pub beams: Vec<usize>,
-    /// How many did not fit the belief; they are kept nevertheless where there are too many.
+    /// Number of beams that did not fit the belief; they are kept nevertheless where there are too
+    /// many.
     pub novel: usize,
 }
 
-/// The beams without the novel ones, or all of them where more than a share `most` is novel: then
-/// it is the belief that does not fit.
-fn without(beams: &[usize], is_novel: &[bool], most: f64) -> Kept {
+/// The beams without the novel ones, or all of them where more than a share `max` is novel: then
+/// the belief is wrong.
+fn without(beams: &[usize], is_novel: &[bool], max: f64) -> Kept {
     let novel = is_novel.iter().filter(|novel| **novel).count();
-    let all = novel as f64 > most * beams.len() as f64;
+    let all = novel as f64 > max * beams.len() as f64;
     let pairs = beams.iter().zip(is_novel);
     let kept = pairs.filter(|(_, novel)| all || !**novel).map(|(beam, _)| *beam);
     Kept { beams: kept.collect(), novel }
 }
 
-// A few poses that stand for a particle set.
-
-/// Poses of a particle set with weights that add up to 1.
+/// A few poses that represent the particles, with weights that add up to 1.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BeliefSample {
     poses: Vec<Pose2>,
@@ -76,11 +75,11 @@ pub struct BeliefSample {
 }
 
 impl BeliefSample {
-    /// At most `count` particles, picked by their weights, evenly and without chance: a cumulative of
-    /// `count` points (M9) that stands still. The weights of the particle set must be normalised.
+    /// At most `count` particles, selected by their weights with `count` evenly spaced points as in
+    /// low-variance resampling (M9), but without randomness. The weights must be normalised.
     ///
-    /// Particles that several points meet are taken once, with the weight of all of them, so that
-    /// a particle set of few different poses makes a small sample. An empty particle set makes an empty one.
+    /// A particle selected by several points is taken once, with the weight of all of them, so that
+    /// few different poses make a small sample. Without particles the sample is empty.
     pub fn of(particles: &Particles, count: usize) -> Self {
         let mut sample = BeliefSample::default();
         let each = 1.0 / count as f64;
@@ -121,7 +120,7 @@ impl BeliefSample {
             let turn = angle::difference(pose.theta, mean.theta);
             Vector3::new(pose.x - mean.x, pose.y - mean.y, turn)
         };
-        // A particle set without width along some direction has a little there.
+        // A minimum width along every direction.
         let mut covariance = Matrix3::identity() * 1e-12;
         for (pose, weight) in self.poses.iter().zip(&self.weights) {
             covariance += *weight * deviation(pose) * deviation(pose).transpose();
@@ -132,13 +131,11 @@ impl BeliefSample {
     }
 }
 
-// How likely a single beam is at a pose of the laser.
-
-/// By the likelihood field: how near a beam ends to an obstacle. Beams without a return are
-/// equally likely everywhere.
+/// Rates a beam by the likelihood field: how near it ends to an obstacle. Beams without a return
+/// are equally likely everywhere.
 ///
-/// The closure takes the place of the laser in the map \[m\], the direction of the beam there as a
-/// unit vector, and its range \[m\], and returns the logarithm.
+/// The closure takes the position of the laser in the map \[m\], the direction of the beam there as
+/// a unit vector, and its range \[m\], and returns the logarithm.
 pub fn by_field(field: &LikelihoodField) -> impl Fn(Point2<f64>, [f64; 2], f64) -> f64 + '_ {
     move |laser, [x, y], range| {
         if !range.is_finite() {
@@ -148,7 +145,8 @@ pub fn by_field(field: &LikelihoodField) -> impl Fn(Point2<f64>, [f64; 2], f64) 
     }
 }
 
-/// By the beam model: a ray for each beam and pose. The closure is as for [`by_field`].
+/// Rates a beam by the beam model: a ray for each beam and pose. The closure is as for
+/// [`by_field`].
 pub fn by_casting<'a>(
     caster: &'a RayCaster,
     model: &'a BeamModel,

@@ -9,8 +9,8 @@ use pulp::{Arch, Simd, WithSimd};
 ///
 /// Widths are whole numbers: the widest interval has `2^(51 - log2 M)`, rounded down to a power of
 /// two, so that sums are exact in every order, equal weights have exactly equal intervals, and
-/// rounding never moves a border. A weight below 3e-11 of the largest (at M = 100000; 5e-13 at 2000) counts
-/// as 0.
+/// rounding never moves a border. A weight below 3e-11 of the largest (at M = 100000; 5e-13 at
+/// 2000) counts as 0.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CumulativeWeights {
     /// Where the intervals end; a whole number below 2^52.

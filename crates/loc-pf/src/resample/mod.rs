@@ -1,11 +1,11 @@
 //! Resampling: particles drawn in proportion to their weights (M8, M9, M11).
 //!
-//! After a measurement some particles are far likelier than others. Resampling draws a new particle set
-//! from the old one, likely particles several times, unlikely ones never, and so puts the effort
-//! where the robot may be. All schemes draw points in the [`CumulativeWeights`], which have one
-//! interval for each particle, as wide as its weight. Each particle gets its share on average. From
-//! multinomial (roulette) over stratified to low-variance (systematic) resampling the number of
-//! copies varies less about that average; its variance is lost diversity (M11).
+//! After a measurement some particles are far likelier than others. Resampling draws a new particle
+//! set from the old one, likely particles several times, unlikely ones never, and so puts the
+//! effort where the robot may be. All schemes draw points in the [`CumulativeWeights`], which have
+//! one interval for each particle, as wide as its weight. Each particle gets its share on average.
+//! From multinomial (roulette) over stratified to low-variance (systematic) resampling the number
+//! of copies varies less about that average; its variance is lost diversity (M11).
 //!
 //! ```
 //! use loc_core::random::stream;
@@ -17,9 +17,10 @@
 //! ```
 //!
 //! [`ResamplePolicy`] says when to resample (M11). Resampling costs diversity: every time, some
-//! particles are lost. Without measurements that distinguish particles nothing is gained, and a robot
-//! that stands still would lose its hypotheses by chance. So one resamples only every N-th update, or only when the weights
-//! have become unequal; in between, the weights of the updates multiply up.
+//! particles are lost. Without measurements that distinguish particles nothing is gained, and a
+//! robot that stands still would lose its hypotheses by chance. So one resamples only every N-th
+//! update, or only when the weights have become unequal; in between, the weights of the updates
+//! multiply up.
 //!
 //! ```
 //! use loc_pf::resample::{ResamplePolicy, ResampleWhen};
@@ -45,11 +46,11 @@ use rand::{Rng, RngExt};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Resampling {
-    /// Multinomial resampling (the lectures' roulette wheel, M8): every draw is independent and found
-    /// by binary search, O(M log M).
+    /// Multinomial resampling (the lectures' roulette wheel, M8): every draw is independent and
+    /// found by binary search, O(M log M).
     Roulette,
-    /// Low-variance (systematic) resampling (the lectures' spoke wheel, M9): one draw shifts M evenly
-    /// spaced points, O(M). Equal weights stay as they are.
+    /// Low-variance (systematic) resampling (the lectures' spoke wheel, M9): one draw shifts M
+    /// evenly spaced points, O(M). Equal weights stay as they are.
     #[default]
     Systematic,
     /// One draw in each of M equal parts of the cumulative weights (Kitagawa 1996), O(M).
@@ -71,7 +72,8 @@ impl Resampling {
     /// Fills `indices` with `count` particles, drawn in proportion to the weights whose logarithms
     /// are given; they need not add up to 1.
     ///
-    /// Weights that are all 0 count as equal; without any weights nothing is drawn. See [`CumulativeWeights`].
+    /// Weights that are all 0 count as equal; without any weights nothing is drawn. See
+    /// [`CumulativeWeights`].
     pub fn draw<R: Rng + ?Sized>(
         self,
         log_weights: &[f64],
@@ -181,7 +183,7 @@ struct Part<'a> {
     ends: &'a [f64],
     /// The number of the first interval.
     interval: u32,
-    /// The number of the first spoke.
+    /// The number of the first point.
     first: usize,
     /// For each of the points its interval.
     indices: &'a mut [u32],
@@ -245,8 +247,8 @@ fn roulette<R: Rng + ?Sized>(
 }
 // ANCHOR_END: roulette
 
-/// Residual resampling: particle i comes `floor(count w_i)` times for certain; the rest is drawn in proportion to the
-/// remainders.
+/// Residual resampling: particle i comes `floor(count w_i)` times for certain; the rest is drawn in
+/// proportion to the remainders.
 fn residual<R: Rng + ?Sized>(
     cumulative: &CumulativeWeights,
     count: usize,
@@ -279,7 +281,8 @@ fn residual<R: Rng + ?Sized>(
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ResamplePolicy {
-    /// Minimum number of updates from one resampling to the next (`resample_interval`); 0 counts as 1.
+    /// Minimum number of updates from one resampling to the next (`resample_interval`); 0 counts as
+    /// 1.
     pub every: usize,
     /// What the weights must be like.
     pub when: ResampleWhen,

@@ -3,7 +3,7 @@
 //! A beam is likely where it ends near an obstacle of the map. [`FieldLikelihood`] multiplies the
 //! likelihoods of all beams, as the textbook does (Thrun, Burgard and Fox, "Probabilistic
 //! Robotics", 2005, table 6.3); [`BeamSkip`] leaves out beforehand the beams that end on things
-//! which the map does not have; [`SumOfCubes`] is the weighting of nav2_amcl, for comparison.
+//! that are not in the map; [`SumOfCubes`] is the weighting of nav2_amcl, for comparison.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -32,10 +32,10 @@ use loc_core::error::{positive, probability};
 use loc_maps::LikelihoodField;
 use loc_maps::likelihood_field::{Endpoints, LikelihoodTable};
 
-/// Poses that are rated before their weights are touched: their figures stay in fast memory.
+/// Poses that are rated before their weights are written: their values stay in the cache.
 const GROUP: usize = 512;
 
-/// A scan before a likelihood field: the product of the likelihoods of its beams. It is also what
+/// A scan in a likelihood field: the product of the likelihoods of its beams. It is also what
 /// nav2_amcl computes as `likelihood_field_prob`, on a field of
 /// [`unnormalised`](loc_maps::likelihood_field::LikelihoodFieldSettings::unnormalised) settings.
 #[derive(Debug, Clone, Copy)]
@@ -60,7 +60,7 @@ impl Likelihood for FieldLikelihood<'_> {
 }
 // ANCHOR_END: field
 
-/// Adds to each weight what `compute` says of its pose; poses are computed in groups.
+/// Adds to each weight the result of `compute` for its pose; poses are computed in groups.
 fn add(
     Poses { x, y, theta }: Poses<'_>,
     log_weights: &mut [f64],
@@ -75,15 +75,13 @@ fn add(
     }
 }
 
-// The weighting of nav2_amcl's `likelihood_field`.
-
-/// A scan before a likelihood field, weighted as nav2_amcl does: `weight *= 1 + sum pz^3`, with
+/// A scan in a likelihood field, weighted as nav2_amcl does: `weight *= 1 + sum pz^3`, with
 /// the sum over the beams and pz the likelihood of one, for which the field must be one of
 /// [`unnormalised`](loc_maps::likelihood_field::LikelihoodFieldSettings::unnormalised) settings.
 ///
-/// It is no probability: a beam that contradicts a pose costs next to nothing, a particle set narrows
-/// slowly whatever the number of beams. Use it to compare with nav2_amcl, or to take over a
-/// parameter file that was tuned with it; [`FieldLikelihood`](FieldLikelihood) is sharper.
+/// It is no probability: a beam that contradicts a pose costs almost nothing, and the particles
+/// converge slowly with any number of beams. Use it to compare with nav2_amcl, or to use a
+/// parameter file that was tuned with it; [`FieldLikelihood`] is sharper.
 ///
 /// The pz come from the codes of the field, so each is off by half a step at most (0.8 % with
 /// nav2_amcl's defaults, its cube by 2.3 %); over the beams of a scan this averages out.
@@ -111,23 +109,22 @@ impl Likelihood for SumOfCubes<'_> {
     }
 }
 
-// Beams that hardly any particle can explain are left out (`do_beamskip` of nav2_amcl).
-
-/// At most about this many particles are asked about each beam, evenly taken from the particle set: the
-/// share that agrees is off by 0.015 then, and the pass costs little beside the rating.
+/// Maximum number of particles that vote on a beam, evenly selected: the standard error of the
+/// share is then 0.015, and the pass costs little beside the rating.
 const ASKED: usize = 1024;
 
-/// Settings of beam skipping; the defaults are those of nav2_amcl.
+/// Beam skipping (`do_beamskip` of nav2_amcl) and its settings; the defaults are those of
+/// nav2_amcl.
 ///
 /// A person or a parcel shortens beams; those that end some `sigma_hit` before a wall pull the
-/// estimate until they touch it. So before a scan is rated, each beam is put before the particle set: it
-/// is kept if enough particles see it end near an obstacle of the map. (Beams that end far from
+/// estimate until they touch it. So before a scan is rated, the particles vote on each beam: it is
+/// kept if enough of them see it end near an obstacle of the map. (Beams that end far from
 /// everything need no skipping here: they cost all poses the same.)
 ///
-/// This only makes sense while the particle set is about the true pose. When it is not, almost all beams
-/// look wrong, and they are the ones that say so: where more than `error_threshold` of them would
-/// be skipped, or the particle set is wider than `distance`, all are kept. In a static world the beams of
-/// a tracked robot agree with the particle set and all but stray ones are kept too.
+/// This is valid only while the particles are near the true pose. When they are not, almost all
+/// beams disagree, and they are the evidence for that: where more than `error_threshold` of them
+/// would be skipped, or the particles are wider than `distance`, all are kept. In a static world
+/// the beams of a tracked robot agree with the particles, and nearly all are kept too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -160,7 +157,7 @@ impl BeamSkip {
         Ok(())
     }
 
-    /// For each beam of a scan whether it is kept. The answer depends on the order of the poses
+    /// For each beam of a scan whether it is kept. The result depends on the order of the poses
     /// where there are more than 1024, not on threads.
     pub fn keep(
         &self,
@@ -174,9 +171,9 @@ impl BeamSkip {
         if x.is_empty() || spread(&x, &y) > self.distance {
             return vec![true; endpoints.len()];
         }
-        let least = self.threshold * x.len() as f64;
+        let min = self.threshold * x.len() as f64;
         let hits = field.hits(self.distance, [&x, &y, &theta], endpoints);
-        let keep: Vec<bool> = hits.into_iter().map(|hits| f64::from(hits) > least).collect();
+        let keep: Vec<bool> = hits.into_iter().map(|hits| f64::from(hits) > min).collect();
         let skipped = keep.iter().filter(|keep| !**keep).count();
         if skipped as f64 >= self.error_threshold * keep.len() as f64 {
             return vec![true; endpoints.len()];

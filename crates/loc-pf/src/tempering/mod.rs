@@ -1,16 +1,16 @@
-//! A measurement taken in by degrees, so that a small particle set finds a narrow peak.
+//! Tempered (annealed) updates, by which a small particle set finds a narrow peak.
 //!
-//! Odometry leaves the robot anywhere within decimetres; a laser scan knows the place to
-//! centimetres. Of a few hundred particles drawn from the motion hardly one lies within the peak of
-//! such a likelihood, and plain weighting leaves copies of that one. Here the likelihood p is taken
-//! in by stages p^b with b growing from 0 to 1 (annealing, tempering): after each stage the particle set
-//! is resampled, and every particle walks a little through the noise of its own motion and is asked
-//! again, by the rule of Metropolis and Hastings. The stages adapt themselves: a scan that says
-//! little needs none and the update is the plain one.
+//! After odometry the pose is uncertain by decimetres; a laser scan determines it to centimetres.
+//! Of a few hundred particles drawn from the motion hardly one lies within the peak of such a
+//! likelihood, and plain weighting leaves copies of that one. Here the likelihood p is used in
+//! stages p^b with b growing from 0 to 1: after each stage the particle set is resampled, and every
+//! particle makes Metropolis-Hastings steps in the space of its motion noise. The stages adapt
+//! themselves: a scan with little information needs one, and the update is the plain one.
 //!
 //! The result is a sample of the same posterior as that of the plain filter with very many
-//! particles: the walk leaves the distribution of the motion alone (Del Moral, Doucet and Jasra,
-//! "Sequential Monte Carlo samplers", 2006; Cotter et al., "MCMC methods for functions", 2013).
+//! particles: the steps leave the distribution of the motion invariant (Del Moral, Doucet and
+//! Jasra, "Sequential Monte Carlo samplers", 2006; Cotter et al., "MCMC methods for functions",
+//! 2013).
 //!
 //! ```
 //! use loc_core::{Pose2, random::stream};
@@ -20,7 +20,7 @@
 //! let mut filter = ParticleFilter::new(particles, stream(1, "filter"));
 //! let mut path = DrivenPath::starting_at(Pose2::IDENTITY);
 //! path.extend(Pose2::new(4.0, 0.0, 0.0));
-//! // Odometry is good to 0.1 m along the way, the measurement to 1 mm.
+//! // Odometry is good to 0.1 m along the path, the measurement to 1 mm.
 //! let measurement = |pose: Pose2| -0.5 * ((pose.x - 4.15) / 0.001).powi(2);
 //! let step = NoisyStep::new(&path, &PathNoise::default());
 //! let report = Tempering::default().update(&mut filter, &step, &measurement, 200);
@@ -38,25 +38,25 @@ use loc_core::error::{in_range, positive};
 use part::{Part, Walk};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Takes measurements in by degrees; keeps its memory from one update to the next.
+/// Tempered updates; keeps its memory from one update to the next.
 #[derive(Debug, Default)]
 pub struct Tempering {
     settings: TemperingSettings,
     parts: Vec<Part>,
     spare: Vec<Part>,
     log_weights: Vec<f64>,
-    /// The same after a share of the measurement that is tried out.
+    /// The same after a trial share of the measurement.
     after: Vec<f64>,
     cumulative: CumulativeWeights,
     indices: Vec<u32>,
 }
 
-/// What an update took.
+/// Figures of an update.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TemperingReport {
-    /// How often the particle set was rated: 1 for a plain update.
+    /// Number of times the particles were rated: 1 for a plain update.
     pub stages: usize,
-    /// Logarithm of the mean likelihood of the measurement over the predicted particle set.
+    /// Logarithm of the mean likelihood of the measurement over the predicted particles.
     pub log_evidence: f64,
 }
 
@@ -70,8 +70,8 @@ impl Tempering {
         Ok(Tempering { settings, ..Tempering::default() })
     }
 
-    /// Moves the particle set by `step` and takes in `measurement`. Where stages resample, the spoke cumulative
-    /// draws `count` particles; otherwise their number stays.
+    /// Moves the particles by `step` and weights them by `measurement`. Where stages resample, they
+    /// draw `count` particles (low-variance resampling); otherwise their number stays.
     pub fn update(
         &mut self,
         filter: &mut ParticleFilter,
@@ -91,7 +91,7 @@ impl Tempering {
                 1.0 - exponent
             };
             exponent += share;
-            report.log_evidence += self.take_in(workers, share);
+            report.log_evidence += self.apply(workers, share);
             if exponent >= 1.0 - 1e-9 {
                 break;
             }
@@ -100,21 +100,21 @@ impl Tempering {
             self.walk(filter, step, measurement, (exponent, &mut stride), moves);
             report.stages += 1;
         }
-        if report.stages > 1 && self.is_hardly_more_than_copies(workers) {
+        if report.stages > 1 && self.is_mostly_copies(workers) {
             self.resample(filter, count);
-            // Of copies of one particle nothing tells how far to walk: the first strides find out.
-            self.walk(filter, step, measurement, (1.0, &mut stride), FAR);
+            // Copies of one particle do not give the length of steps: the first steps adapt it.
+            self.walk(filter, step, measurement, (1.0, &mut stride), SPREADING_MOVES);
         }
         self.store(filter);
         report
     }
 
-    /// Lets particles walk through the noise until each has made `enough` accepted strides on the
-    /// average: those that resampling made the same must part again, or the particle set would be smaller
-    /// than it looks.
+    /// Metropolis-Hastings steps in the space of the noise until each particle has made `enough`
+    /// accepted ones on average: copies made by resampling must separate again, or there are fewer
+    /// different particles than their number.
     ///
-    /// Strides are in proportion to the spread of the noise that the measurement has left, in each
-    /// of its coordinates; their scale follows the share of strides that is accepted.
+    /// Steps are in proportion to the remaining spread of the noise in each of its coordinates;
+    /// their scale follows the share of accepted steps.
     fn walk(
         &mut self,
         filter: &mut ParticleFilter,
@@ -123,11 +123,11 @@ impl Tempering {
         (exponent, scale): (f64, &mut f64),
         enough: f64,
     ) {
-        let spread = self.spread_of_noise().map(|spread| spread.max(MIN));
+        let spread = self.spread_of_noise().map(|spread| spread.max(MIN_STEP));
         let count = self.log_weights.len();
         let mut moved = 0.0;
         for _ in 0..self.settings.max_strides {
-            let strides = spread.map(|spread| (*scale * spread).clamp(MIN, 0.95));
+            let strides = spread.map(|spread| (*scale * spread).clamp(MIN_STEP, 0.95));
             let accepted = AtomicUsize::new(0);
             filter.for_each_part(&mut self.parts, |part, rng| {
                 let walk = Walk { exponent, strides };
@@ -142,17 +142,17 @@ impl Tempering {
         }
     }
 
-    /// Whether most of the weight lies on copies of a few particles. Where odometry says little, one
-    /// particle alone may lie within the peak of a scan, and its copies, from which no stride leads
-    /// to a better place, soon outweigh all others.
-    fn is_hardly_more_than_copies(&mut self, workers: &Workers) -> bool {
+    /// Whether most of the weight lies on copies of a few particles. With uncertain odometry a
+    /// single particle may lie within the peak of a scan, and its copies, from which no step leads
+    /// to a better pose, soon outweigh all others.
+    fn is_mostly_copies(&mut self, workers: &Workers) -> bool {
         let parts = self.parts.iter_mut().zip(self.log_weights.chunks(PART));
         let masses = workers.map(parts, |(part, weights)| part.without_copies(weights));
         let effective = Mass::total(masses).effective_sample_size();
-        effective < FEW * self.log_weights.len() as f64
+        effective < MIN_DIFFERENT * self.log_weights.len() as f64
     }
 
-    /// Standard deviations of the numbers behind the particles.
+    /// Standard deviations of the noise of the particles.
     fn spread_of_noise(&self) -> [f64; 4] {
         let (mut sums, mut squares, mut count) = ([0.0; 4], [0.0; 4], 0.0_f64);
         for noise in self.parts.iter().flat_map(|part| &part.noise) {
@@ -168,7 +168,7 @@ impl Tempering {
         })
     }
 
-    /// Cuts a particle set into parts.
+    /// Divides the particles into parts.
     fn load(&mut self, workers: &Workers, particles: &Particles) {
         self.parts.resize_with(particles.len().div_ceil(PART), Part::default);
         let parts = self.parts.iter_mut().zip(particles.poses().chunks(PART));
@@ -204,19 +204,19 @@ impl Tempering {
         let (mut low, mut high) = (0.0, rest);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
-            let bears = self.effective_after(workers, middle) >= enough;
-            if bears { low = middle } else { high = middle }
+            let suffices = self.effective_after(workers, middle) >= enough;
+            if suffices { low = middle } else { high = middle }
         }
-        // A little more than nothing: a peak that no particle has found yet is reached at last.
+        // At least a small share: a peak that no particle has found yet is still reached.
         low.max(rest / f64::from(1 << BISECTIONS))
     }
 
-    /// Effective sample size after taking in a share of the measurement.
+    /// Effective sample size after a share of the measurement.
     fn effective_after(&mut self, workers: &Workers, share: f64) -> f64 {
         self.weigh(workers, share).effective_sample_size()
     }
 
-    /// Fills `after` with the weights after a share of the measurement is taken in.
+    /// Fills `after` with the weights after a share of the measurement.
     fn weigh(&mut self, workers: &Workers, share: f64) -> Mass {
         self.after.resize(self.log_weights.len(), 0.0);
         let parts = self.parts.iter().zip(self.log_weights.chunks(PART));
@@ -226,8 +226,8 @@ impl Tempering {
         }))
     }
 
-    /// Weighs by a share of the measurement; returns the logarithm of the mean likelihood.
-    fn take_in(&mut self, workers: &Workers, share: f64) -> f64 {
+    /// Weights by a share of the measurement; returns the logarithm of the mean likelihood.
+    fn apply(&mut self, workers: &Workers, share: f64) -> f64 {
         let before = Mass::total(workers.map(self.log_weights.chunks(PART), Mass::of));
         let after = self.weigh(workers, share);
         std::mem::swap(&mut self.log_weights, &mut self.after);
@@ -237,7 +237,7 @@ impl Tempering {
         }
     }
 
-    /// Draws particles in proportion to their weights, together with what led to them.
+    /// Draws particles in proportion to their weights, with their parents and noise.
     fn resample(&mut self, filter: &mut ParticleFilter, count: usize) {
         let workers = filter.workers().clone();
         let (scheme, rng) = (Resampling::Systematic, filter.rng_mut());
@@ -252,35 +252,33 @@ impl Tempering {
     }
 }
 
-/// A stride is at least this long, in units of the noise of the motion.
-const MIN: f64 = 0.01;
+/// Minimum length of a step, in units of the noise of the motion.
+const MIN_STEP: f64 = 0.01;
 
-/// Fewer different particles than this share of a particle set are few.
-const FEW: f64 = 0.1;
+/// Share of different particles below which there are too few.
+const MIN_DIFFERENT: f64 = 0.1;
 
-/// Accepted strides after which copies of one particle have spread over a peak.
-const FAR: f64 = 3.0;
+/// Accepted steps after which copies of one particle have spread over a peak.
+const SPREADING_MOVES: f64 = 3.0;
 
 /// How finely a share of a measurement is determined: to 1 / 2^10 of what is left.
 const BISECTIONS: u32 = 10;
 
-// Settings of the tempered update.
-
-/// Settings of [`Tempering`](crate::Tempering).
+/// Settings of [`Tempering`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct TemperingSettings {
-    /// A stage takes in as much of the measurement as leaves this share of the particles
-    /// effective, in (0, 1).
+    /// A stage uses the share of the measurement that leaves this share of the particles effective,
+    /// in (0, 1).
     pub effective_share: f64,
-    /// The most stages of an update; the last one takes in what is left.
+    /// Maximum number of stages; the last one uses the rest of the measurement.
     pub max_stages: usize,
-    /// The share of the strides that should be accepted, in (0, 1); their length follows it.
+    /// Target share of accepted steps, in (0, 1); their length follows it.
     pub acceptance: f64,
-    /// Particles walk on until there are so many accepted strides to each of them on the average ..
+    /// Particles make steps until this many are accepted for each of them on average ..
     pub moves: f64,
-    /// .. but so many strides at the most.
+    /// .. but at most this many steps.
     pub max_strides: usize,
 }
 

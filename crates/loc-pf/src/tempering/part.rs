@@ -1,4 +1,4 @@
-//! A part of the particle set on its way through an update.
+//! A part of the particles during a tempered update.
 
 use crate::log_weights::Mass;
 use crate::workers::PART;
@@ -7,12 +7,12 @@ use loc_core::random::ChaCha8Rng;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
-/// Particles with the poses that they came from and the numbers that moved them.
+/// Particles with their poses before the motion and the noise of their motion.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Part {
     /// Poses before the motion.
     pub(super) parents: Particles,
-    /// What moved each of them.
+    /// The noise of the motion of each of them.
     pub(super) noise: Vec<[f64; 4]>,
     /// Poses after it, with their log-likelihoods.
     pub(super) moved: Particles,
@@ -21,12 +21,12 @@ pub(super) struct Part {
     singles: Vec<f64>,
 }
 
-/// A walk in the space of the noise.
+/// A Metropolis-Hastings step in the space of the noise.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Walk {
-    /// Share of the measurement that has been taken in.
+    /// Share of the measurement used so far.
     pub(super) exponent: f64,
-    /// Standard deviations of a stride, in (0, 1).
+    /// Standard deviations of a step, in (0, 1).
     pub(super) strides: [f64; 4],
 }
 
@@ -36,16 +36,16 @@ impl Part {
         self.parents.refill(parents.iter(), std::iter::repeat_n(0.0, parents.len()));
     }
 
-    /// Becomes particles of other parts, with what led to them and their log-likelihoods; `indices`
+    /// Copies particles of other parts, with their parents, noise and log-likelihoods; `indices`
     /// count through all parts, each of which is `PART` long but the last.
     pub(super) fn gather(&mut self, others: &[Part], indices: &[u32]) {
-        let places = indices.iter().map(|&index| (index as usize / PART, index as usize % PART));
-        let parents = places.clone().map(|(part, k)| others[part].parents.pose(k));
+        let sources = indices.iter().map(|&index| (index as usize / PART, index as usize % PART));
+        let parents = sources.clone().map(|(part, k)| others[part].parents.pose(k));
         self.parents.refill(parents, std::iter::repeat_n(0.0, indices.len()));
         self.noise.clear();
-        self.noise.extend(places.clone().map(|(part, k)| others[part].noise[k]));
-        let moved = places.clone().map(|(part, k)| others[part].moved.pose(k));
-        self.moved.refill(moved, places.map(|(part, k)| others[part].moved.log_weights()[k]));
+        self.noise.extend(sources.clone().map(|(part, k)| others[part].noise[k]));
+        let moved = sources.clone().map(|(part, k)| others[part].moved.pose(k));
+        self.moved.refill(moved, sources.map(|(part, k)| others[part].moved.log_weights()[k]));
     }
 
     /// The log-likelihoods of its particles.
@@ -53,7 +53,7 @@ impl Part {
         self.moved.log_weights()
     }
 
-    /// Draws the motion of every particle and rates where it leads.
+    /// Draws the motion of every particle and rates the new pose.
     pub(super) fn draw(
         &mut self,
         step: &impl Transport,
@@ -62,7 +62,7 @@ impl Part {
     ) {
         self.noise.clear();
         self.noise.extend((0..self.parents.len()).map(|_| normals(rng)));
-        place(&self.parents, &self.noise, step, &mut self.moved);
+        move_all(&self.parents, &self.noise, step, &mut self.moved);
         rate(&mut self.moved, measurement);
     }
 
@@ -81,10 +81,10 @@ impl Part {
         Mass::of(&self.singles)
     }
 
-    /// One stride of each particle through the noise, accepted or not (Metropolis and Hastings);
-    /// returns how many were.
+    /// One Metropolis-Hastings step of each particle in the space of the noise; returns how many
+    /// were accepted.
     ///
-    /// The stride `sqrt(1 - s^2) noise + s normal` leaves the distribution of the noise as it is
+    /// The proposal `sqrt(1 - s^2) noise + s normal` leaves the distribution of the noise as it is
     /// (it is the preconditioned Crank-Nicolson proposal), so that only the likelihoods decide.
     pub(super) fn walk(
         &mut self,
@@ -99,13 +99,13 @@ impl Part {
             let fresh = normals(rng);
             std::array::from_fn(|k| keep[k] * noise[k] + walk.strides[k] * fresh[k])
         }));
-        place(&self.parents, &self.trial_noise, step, &mut self.trial);
+        move_all(&self.parents, &self.trial_noise, step, &mut self.trial);
         rate(&mut self.trial, measurement);
         let mut accepted = 0;
         for k in 0..self.noise.len() {
             let (old, new) = (self.moved.log_weights()[k], self.trial.log_weights()[k]);
             let chance: f64 = rng.random();
-            // Where both are impossible the difference is no number: on with the walk.
+            // Where both are impossible the difference is NaN: the step is accepted.
             let gain = walk.exponent * (new - old);
             if gain.is_nan() || chance < gain.exp() {
                 accepted += 1;
@@ -118,7 +118,7 @@ impl Part {
     }
 }
 
-/// Copies have the same numbers behind them to the bit.
+/// Copies have the same noise to the bit.
 fn is_copy(one: &[f64; 4], other: &[f64; 4]) -> bool {
     one.map(f64::to_bits) == other.map(f64::to_bits)
 }
@@ -127,7 +127,7 @@ fn normals<R: Rng + ?Sized>(rng: &mut R) -> [f64; 4] {
     std::array::from_fn(|_| StandardNormal.sample(rng))
 }
 
-fn place(from: &Particles, noise: &[[f64; 4]], step: &impl Transport, to: &mut Particles) {
+fn move_all(from: &Particles, noise: &[[f64; 4]], step: &impl Transport, to: &mut Particles) {
     to.clear();
     for (pose, noise) in from.poses().iter().zip(noise) {
         to.push(step.moved(pose, *noise), 0.0);

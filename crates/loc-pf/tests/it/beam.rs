@@ -10,7 +10,7 @@ use loc_maps::worlds::{self, WorldSettings};
 use loc_pf::mcl::{MountedScan, SensorSettings};
 use loc_pf::sensor::Likelihood;
 use loc_pf::sensor::beam::{
-    BeamForm, BeamLikelihood, BeamModel, BeamModelSettings, RangeModel, telling_beams,
+    BeamForm, BeamLikelihood, BeamModel, BeamModelSettings, RangeModel, informative_beams,
 };
 use loc_pf::{Error, Mcl, MclSettings, Particles};
 use loc_sensors::laser::LaserScan;
@@ -64,7 +64,7 @@ fn brute_force(grid: &OccupancyGrid, model: &BeamModel, scan: &LaserScan, laser:
         let expected = grid.cast(&laser.position(), direction, reach).unwrap_or(NOTHING);
         model.log_density(expected, scan.ranges[k])
     };
-    telling_beams(scan, usize::MAX).into_iter().map(beam).sum()
+    informative_beams(scan, usize::MAX).into_iter().map(beam).sum()
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn the_plain_gaussian_is_the_product_of_the_lecture() {
     let caster = RayCaster::new(&grid);
     let truth = Pose2::new(6.0, 6.0, 0.4);
     let scan = scan_at(&grid, truth, 40, 12.0);
-    let beams = telling_beams(&scan, 40);
+    let beams = informative_beams(&scan, 40);
     let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
     let rated = BeamLikelihood::new(&caster, &settings, &mounted, &beams, 1.0).unwrap();
     for pose in [truth, Pose2::new(6.1, 5.9, 0.45), Pose2::new(3.0, 8.0, 2.0)] {
@@ -135,7 +135,7 @@ fn a_scan_is_rated_as_by_brute_force() {
             let truth = to_map * Pose2::new(6.0, 6.0, 0.4);
             let scan = scan_at(&grid, truth, 180, 10.0);
             let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
-            let beams = telling_beams(&scan, 180);
+            let beams = informative_beams(&scan, 180);
             let rated = BeamLikelihood::new(&caster, &settings, &mounted, &beams, 1.0).unwrap();
             let (model, mut rng) = (model(settings), stream(1, "poses"));
             let (mut worst, mut sum) = (0.0_f64, 0.0);
@@ -162,7 +162,7 @@ fn beams_start_at_the_laser_not_at_the_base() {
     let mounting = Pose2::new(0.4, -0.15, 1.2);
     let base = Pose2::new(6.0, 6.0, 0.4);
     let scan = scan_at(&grid, base * mounting, 90, 20.0);
-    let beams = telling_beams(&scan, 90);
+    let beams = informative_beams(&scan, 90);
     let rate = |mounting: Pose2, pose: Pose2| {
         let mounted = MountedScan { scan: &scan, mounting };
         let settings = BeamModelSettings::default();
@@ -181,7 +181,7 @@ fn nothing_underflows_at_720_beams() {
     let caster = RayCaster::new(&grid);
     let truth = Pose2::new(6.0, 6.0, 0.4);
     let scan = scan_at(&grid, truth, 720, 20.0);
-    let beams = telling_beams(&scan, 720);
+    let beams = informative_beams(&scan, 720);
     for form in [BeamForm::Mixture, BeamForm::Gaussian] {
         let settings = BeamModelSettings {
             form,
@@ -216,7 +216,7 @@ fn beams_that_see_nothing_tell_where_no_wall_is() {
     assert!(scan.ranges.iter().all(|range| *range == NOTHING));
     let rate = |scan: &LaserScan, pose: Pose2| {
         let mounted = MountedScan { scan, mounting: Pose2::IDENTITY };
-        let beams = telling_beams(scan, 60);
+        let beams = informative_beams(scan, 60);
         let settings = BeamModelSettings::default();
         BeamLikelihood::new(&caster, &settings, &mounted, &beams, 1.0).unwrap().log_likelihood(pose)
     };
@@ -240,12 +240,12 @@ fn failed_beams_are_dropped_before_thinning() {
             _ => {}
         }
     }
-    let all = telling_beams(&scan, 1000);
+    let all = informative_beams(&scan, 1000);
     assert_eq!(all, (0..10).chain(60..100).collect::<Vec<_>>());
-    let some = telling_beams(&scan, 25);
+    let some = informative_beams(&scan, 25);
     assert!(some.len() == 25 && some[0] == 0 && some[24] == 99);
     assert!(some.iter().all(|beam| all.contains(beam)) && some.is_sorted());
-    assert_eq!((telling_beams(&scan, 0), telling_beams(&scan, 1)), (vec![], vec![75]));
+    assert_eq!((informative_beams(&scan, 0), informative_beams(&scan, 1)), (vec![], vec![75]));
 
     let caster = RayCaster::new(&grid);
     let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
@@ -261,7 +261,7 @@ fn a_rating_depends_on_its_pose_alone_and_the_exponent_scales_it() {
     let caster = RayCaster::new(&grid);
     let scan = scan_at(&grid, Pose2::new(6.0, 6.0, 0.4), 150, 20.0);
     let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
-    let beams = telling_beams(&scan, 150);
+    let beams = informative_beams(&scan, 150);
     let rated = |exponent| {
         let settings = BeamModelSettings::default();
         BeamLikelihood::new(&caster, &settings, &mounted, &beams, exponent).unwrap()

@@ -11,7 +11,7 @@ use loc_maps::{LikelihoodField, OccupancyGrid, RayCaster};
 use loc_pf::initial::FreeSpace;
 use loc_pf::mcl::MountedScan;
 use loc_pf::novelty::{BeliefSample, DistanceFilter, EntropyFilter, Kept, by_casting, by_field};
-use loc_pf::sensor::beam::{BeamLikelihood, BeamModel, BeamModelSettings, telling_beams};
+use loc_pf::sensor::beam::{BeamLikelihood, BeamModel, BeamModelSettings, informative_beams};
 use loc_pf::{Motion, ParticleFilter, Particles, PosesMut, Resampling};
 use loc_sensors::laser::LaserScan;
 use rand::RngExt;
@@ -46,7 +46,7 @@ fn by_distance(grid: &OccupancyGrid, scan: &LaserScan, cloud: &Particles) -> Kep
     let caster = RayCaster::new(grid);
     let mounted = MountedScan { scan, mounting: Pose2::IDENTITY };
     let sample = BeliefSample::of(cloud, 64);
-    let beams = telling_beams(scan, BEAMS);
+    let beams = informative_beams(scan, BEAMS);
     DistanceFilter::default().keep(&caster, &sample, &mounted, &beams).unwrap()
 }
 
@@ -182,7 +182,7 @@ fn the_entropy_filter_keeps_walls_and_leaves_out_who_pulls() {
     let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
     let cloud = cloud(TRUTH, [0.1, 0.1, 0.05], &mut rng);
     let sample = BeliefSample::of(&cloud, 64);
-    let beams = telling_beams(&scan, BEAMS);
+    let beams = informative_beams(&scan, BEAMS);
     let filter = EntropyFilter::default();
     let by_field = filter.keep(by_field(&field), &sample, &mounted, &beams).unwrap();
     let by_casting = filter.keep(by_casting(&caster, &model), &sample, &mounted, &beams).unwrap();
@@ -233,7 +233,7 @@ fn tracked(grid: &OccupancyGrid, blocked: f64, filtered: bool, seed: u64) -> f64
         let far = scan.ranges[..behind].iter_mut().filter(|range| **range > 1.2);
         far.for_each(|range| *range -= 0.7);
         let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
-        let mut beams = telling_beams(&scan, 60);
+        let mut beams = informative_beams(&scan, 60);
         if filtered {
             let sample = BeliefSample::of(filter.particles(), 64);
             beams =

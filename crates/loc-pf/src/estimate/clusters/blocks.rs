@@ -1,6 +1,7 @@
 //! Which cells are occupied: a hash table of blocks of 4 x 4 squares, in which every square has one
-//! bit for each heading. A tracked particle set lies in a few blocks; a particle set all over a map fills most
-//! squares of the blocks it needs.
+//! bit for each heading. The particles of a tracked robot lie in a few blocks; those over a whole
+//! map fill most squares of their blocks. [`Modes`] finds the peaks of the occupied cells and
+//! attaches every cell to one.
 
 use super::cells::{Address, MAX_HEADINGS};
 
@@ -46,7 +47,7 @@ struct Block {
     squares: [Square; SQUARES],
 }
 
-/// Most blocks: places have room for 4 million, and a particle set that needs more is on no map.
+/// Maximum number of blocks: offsets have room for 4 million, more than any map needs.
 const MAX: usize = (NOWHERE / BLOCK) as usize;
 
 /// Open addressing with linear probing: 4 bytes a slot, at most half of them taken.
@@ -57,39 +58,39 @@ pub(super) struct Blocks {
     blocks: Vec<Block>,
     /// The blocks row by row.
     order: Vec<u32>,
-    /// The block that was asked for last.
+    /// The block used last.
     last: usize,
-    /// Most blocks that there may be.
-    most: usize,
+    /// Maximum number of blocks.
+    max: usize,
 }
 
 impl Default for Blocks {
     fn default() -> Self {
-        Blocks::at_most(MAX)
+        Blocks::with_max(MAX)
     }
 }
 
 /// Where a cell is among the blocks.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct BlockOffset {
     /// The key of its block.
     pub(super) block: u64,
     /// Its square and its heading there.
     pub(super) within: u32,
 }
 
-impl Place {
-    /// From a place among some blocks to that within its block.
+impl BlockOffset {
+    /// From a offset among some blocks to that within its block.
     #[inline(always)]
-    pub(super) fn within(place: u32) -> u32 {
-        place % BLOCK
+    pub(super) fn within(offset: u32) -> u32 {
+        offset % BLOCK
     }
 
     #[inline(always)]
-    pub(super) fn of(address: Address) -> Place {
+    pub(super) fn of(address: Address) -> BlockOffset {
         let [row, column] = address.square;
         let square = row % SIDE * SIDE + column % SIDE;
-        Place {
+        BlockOffset {
             block: u64::from(row / SIDE) * ROW + u64::from(column / SIDE),
             within: square * MAX_HEADINGS + address.heading,
         }
@@ -97,13 +98,13 @@ impl Place {
 }
 
 impl Blocks {
-    /// Room for so many blocks.
-    pub(super) fn at_most(most: usize) -> Self {
+    /// A table for at most `max` blocks.
+    pub(super) fn with_max(max: usize) -> Self {
         let (slots, blocks, order) = (Vec::new(), Vec::new(), Vec::new());
-        Blocks { slots, blocks, order, last: 0, most }
+        Blocks { slots, blocks, order, last: 0, max }
     }
 
-    /// Forgets all blocks and keeps the memory.
+    /// Removes all blocks and keeps the memory.
     pub(super) fn clear(&mut self) {
         for block in self.blocks.drain(..) {
             self.slots[block.slot] = 0;
@@ -113,12 +114,12 @@ impl Blocks {
         }
     }
 
-    /// Marks a cell of a block as occupied and returns its place among all blocks, from which
-    /// [`cell`](Blocks::cell) tells its number later; [`NOWHERE`] where there is no room for the
+    /// Marks a cell of a block as occupied and returns its offset among all blocks, from which
+    /// [`cell`](Blocks::cell) gives its number later; [`NOWHERE`] where there is no room for the
     /// block.
     #[inline(always)]
     pub(super) fn occupy(&mut self, key: u64, within: u32) -> u32 {
-        // Particles of a tracked particle set lie in one and the same block, more often than not.
+        // Successive particles of a tracked robot are usually in the same block.
         let index = match self.blocks.get(self.last) {
             Some(block) if block.key == key => self.last,
             _ => match self.find_or_add(key) {
@@ -156,16 +157,16 @@ impl Blocks {
     fn find_or_add(&mut self, key: u64) -> Option<usize> {
         match self.look_up(key) {
             Ok(index) => Some(index),
-            Err(_) if self.blocks.len() >= self.most => None,
+            Err(_) if self.blocks.len() >= self.max => None,
             Err(slot) => Some(self.add(key, slot)),
         }
     }
 
-    /// The number of the cell at a place.
+    /// The number of the cell at a offset.
     #[inline(always)]
-    pub(super) fn cell(&self, place: u32) -> u32 {
-        let square = (place / MAX_HEADINGS) as usize % SQUARES;
-        self.blocks[(place / BLOCK) as usize].squares[square].cell(place % MAX_HEADINGS)
+    pub(super) fn cell(&self, offset: u32) -> u32 {
+        let square = (offset / MAX_HEADINGS) as usize % SQUARES;
+        self.blocks[(offset / BLOCK) as usize].squares[square].cell(offset % MAX_HEADINGS)
     }
 
     /// Numbers the cells by where they are, whatever the order in which they were occupied; returns
@@ -229,8 +230,8 @@ impl Blocks {
         }
     }
 
-    /// Hands out every occupied square with its neighbours to the right, above left, above, and
-    /// above right, so that each two squares that touch come together once.
+    /// Calls `work` for every occupied square with its neighbours to the right, above left, above,
+    /// and above right, so that each two squares that touch come together once.
     pub(in crate::estimate::clusters) fn for_neighbours(
         &self,
         mut work: impl FnMut(&Square, [&Square; 4]),
@@ -267,11 +268,7 @@ impl Blocks {
     }
 }
 
-// Squares that touch each other.
-
-// Which occupied cells belong together: peaks of the belief and the valleys between them.
-
-/// How much weight lies in a cell, and which cell it hangs on.
+/// The weight in a cell, and the cell it is attached to.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cell {
     pub(super) weight: f64,
@@ -280,19 +277,19 @@ pub(super) struct Cell {
     pub(super) parent: u32,
 }
 
-/// The lowest point of the way from one peak's cells to another's.
+/// The lowest point between the cells of two peaks.
 #[derive(Debug, Clone, Copy)]
 struct Saddle {
     weight: f64,
     cells: [u32; 2],
 }
 
-/// When a valley parts two peaks.
+/// When a valley separates two peaks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Valley {
     /// At most this share of the lower peak.
     pub(super) depth: f64,
-    /// Particles of equal weight that a unit of weight is worth.
+    /// Particles of equal weight for a unit of weight.
     pub(super) particles_per_weight: f64,
 }
 
@@ -317,7 +314,7 @@ pub(super) struct Modes {
 }
 
 impl Modes {
-    /// Hangs every cell on the peak of its cluster, and each peak on itself.
+    /// Attaches every cell to the peak of its cluster, and each peak to itself.
     pub(super) fn find(
         &mut self,
         blocks: &Blocks,
@@ -338,8 +335,8 @@ impl Modes {
         flatten(cells);
     }
 
-    /// Lists all pairs of occupied cells that touch, if only at a corner; headings go round. Hangs
-    /// every cell on the highest of its neighbours, if that is higher than itself.
+    /// Lists all pairs of occupied cells that touch, if only at a corner; headings go round.
+    /// Attaches every cell to the highest of its neighbours, if that is higher than itself.
     fn climb(&mut self, blocks: &Blocks, headings: u32, cells: &mut [Cell]) {
         self.pairs.clear();
         let all = u64::MAX >> (u64::BITS - headings);
@@ -353,7 +350,7 @@ impl Modes {
                 for other in others {
                     self.join(cell, other, about(1 << heading));
                 }
-                hang(cell, &self.pairs[first..], cells);
+                attach(cell, &self.pairs[first..], cells);
             }
         });
     }
@@ -364,7 +361,8 @@ impl Modes {
         }
     }
 
-    /// The pairs of cells on different peaks, the highest first; all cells hang on peaks directly.
+    /// The pairs of cells on different peaks, the highest first; all cells are attached to peaks
+    /// directly.
     fn list_saddles(&mut self, cells: &[Cell]) {
         self.saddles.clear();
         for pair in &self.pairs {
@@ -380,10 +378,10 @@ impl Modes {
     }
 }
 
-/// Hangs a cell on the highest of some neighbours, and each of these on it, where that is higher
-/// than what they hang on.
+/// Attaches a cell to the highest of some neighbours, and each of these to it, where that is higher
+/// than the cell they are attached to.
 #[inline(always)]
-fn hang(cell: u32, pairs: &[[u32; 2]], cells: &mut [Cell]) {
+fn attach(cell: u32, pairs: &[[u32; 2]], cells: &mut [Cell]) {
     let mut highest = cells[cell as usize].parent;
     for &[_, other] in pairs {
         if above(cells, other, highest) {
@@ -403,7 +401,7 @@ fn above(cells: &[Cell], a: u32, b: u32) -> bool {
     x > y || (x >= y && a < b)
 }
 
-/// Hangs every cell on its peak directly.
+/// Attaches every cell to its peak directly.
 fn flatten(cells: &mut [Cell]) {
     for cell in 0..cells.len() {
         let mut peak = cells[cell].parent;
@@ -414,7 +412,7 @@ fn flatten(cells: &mut [Cell]) {
     }
 }
 
-/// The peak that a cell hangs on; the way there is halved.
+/// The peak that a cell is attached to (union-find with path halving).
 fn root(cells: &mut [Cell], mut cell: u32) -> u32 {
     while cells[cell as usize].parent != cell {
         let next = cells[cells[cell as usize].parent as usize].parent;
@@ -424,7 +422,7 @@ fn root(cells: &mut [Cell], mut cell: u32) -> u32 {
     cell
 }
 
-/// The places of the bits that are set.
+/// The positions of the bits that are set.
 fn bits(mut mask: u64) -> impl Iterator<Item = u32> {
     std::iter::from_fn(move || {
         let lowest = (mask != 0).then(|| mask.trailing_zeros());

@@ -1,19 +1,19 @@
-//! Several hypotheses with their shares: where the particles crowd.
+//! Clusters of particles: several hypotheses with their shares.
 //!
 //! Particles fall into cells over (x, y, theta), and occupied cells that touch, if only at a
 //! corner, hold together; headings go round, so a cluster is not cut at +-pi. The cost is linear
 //! in the number of particles.
 //!
-//! Touching alone would join too much: a few stray particles between two rooms, and the mean of
-//! the "cluster" lies in the wall. So cells hang on the highest peak that is reached by climbing,
+//! Touching alone would join too much: a few stray particles between two rooms, and the mean of the
+//! "cluster" lies in the wall. So cells are attached to the highest peak reached by hill climbing,
 //! and peaks are joined over the saddles between them, the highest saddle first, unless the lower
 //! peak stands out: the saddle is at most a share ([`ClusterSettings::valley`]) of the peak, and
 //! the difference is more than the chance of drawing particles explains (3 standard deviations of
 //! counts, with the effective sample size as count). This is persistence-based clustering (Chazal,
 //! Guibas, Oudot and Skraba, "Persistence-based clustering in Riemannian manifolds", 2013). A
-//! threshold on the weight of cells would need another value for every size of the particle set, and
-//! would cut the tails off a wide but single mode. Nothing is lost: strays between two modes go
-//! with the peak above them, and the shares add up to 1.
+//! threshold on the weight of cells would need another value for every size of the particle set,
+//! and would cut the tails off a wide but single mode. Every particle counts: those between two
+//! modes belong to the higher one, and the shares add up to 1.
 //!
 //! ```
 //! use loc_core::Pose2;
@@ -47,14 +47,14 @@ pub struct Cluster {
     /// Share of the weight of all particles, in (0, 1].
     pub share: f64,
     /// Mean and covariance over (x, y, theta) \[m, m, rad\], as
-    /// [`moments`](crate::estimate) of its particles.
+    /// [`moments`](crate::estimate::moments) of its particles.
     pub belief: Gaussian<3>,
     /// Number of its particles.
     pub particles: usize,
 }
 
-/// Finds clusters, and keeps its memory from one particle set to the next: 20 bytes a particle, and up to
-/// 60 for each occupied cell.
+/// Finds clusters, and keeps its memory from one particle set to the next: 20 bytes a particle, and
+/// up to 60 for each occupied cell.
 #[derive(Debug)]
 pub struct Clusterer {
     settings: ClusterSettings,
@@ -97,9 +97,9 @@ impl Clusterer {
     /// The clusters of a particle set, the heaviest first; of equally heavy ones, the one with more
     /// particles, then the one further down (y) and left (x).
     ///
-    /// The order of the particles changes nothing beyond the rounding of sums. Weights need not
-    /// add up to 1. Particles that have no weight or are not finite belong to no cluster; a particle set
-    /// without any others has none.
+    /// The order of the particles changes nothing beyond the rounding of sums. Weights need not add
+    /// up to 1. Particles that have no weight or are not finite belong to no cluster; a particle
+    /// set without any others has none.
     pub fn clusters(&mut self, particles: &Particles) -> Vec<Cluster> {
         let Clusterer { settings, workers, weights, cells, modes, summary } = self;
         log_weights::relative(workers, particles.log_weights(), weights);
@@ -115,9 +115,7 @@ impl Clusterer {
     }
 }
 
-// How clusters are told apart.
-
-/// Settings of a [`Clusterer`](Clusterer).
+/// Settings of a [`Clusterer`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -127,7 +125,7 @@ pub struct ClusterSettings {
     /// Width of a cell over the heading \[rad\], from a 64th of a turn to a third; rounded so that
     /// a whole number of cells fills a turn.
     pub heading_cell: f64,
-    /// Two peaks stay apart where the highest way between them falls to this share of the lower
+    /// Two peaks stay separate where the highest path between them falls to this share of the lower
     /// one, in \[0, 1\]. With 0, only gaps part clusters.
     pub valley: f64,
     /// What the reported pose is taken from.
@@ -139,11 +137,11 @@ pub struct ClusterSettings {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum PoseSource {
-    /// Mean and covariance of the heaviest cluster, as in amcl: a place where the robot may be.
+    /// Mean and covariance of the heaviest cluster, as in amcl: a pose where the robot may be.
     #[default]
     HeaviestCluster,
-    /// Mean and covariance of all particles: least squared error, but between two rooms it lies in
-    /// the wall.
+    /// Mean and covariance of all particles: minimum squared error, but between two rooms it lies
+    /// in the wall.
     WholeCloud,
 }
 
@@ -173,8 +171,6 @@ impl ClusterSettings {
     }
 }
 
-// Shares, means and covariances of clusters, from the particles of each.
-
 /// What is added up for each cluster, with memory kept from one particle set to the next.
 #[derive(Debug, Default)]
 struct Summary {
@@ -195,8 +191,8 @@ struct Rank {
 }
 
 impl Summary {
-    /// Numbers the clusters in the order of their peaks and counts their particles; cells hang on
-    /// peaks directly.
+    /// Numbers the clusters in the order of their peaks and counts their particles; cells are
+    /// attached to peaks directly.
     fn number_clusters(&mut self, cells: &[Cell]) {
         let Summary { cluster_of, particles, .. } = self;
         cluster_of.clear();
@@ -276,7 +272,7 @@ impl Summary {
     }
 }
 
-/// Particles whose directions are worked out together.
+/// Particles whose directions are computed together.
 const BLOCK: usize = 64;
 
 /// Sines and cosines of some headings.

@@ -12,7 +12,7 @@ use loc_sensors::laser::LaserScan;
 /// Beams of a pose that are cast before their tables are read.
 const BATCH: usize = 64;
 
-/// A scan before a map, ready to rate poses by the beam model.
+/// A scan in a map, prepared to rate poses by the beam model.
 ///
 /// Every beam has a table of `ln p(measured | expected)` over the expected range, so that rating a
 /// pose is a ray and an interpolated lookup for each beam. The steps of the table are an eighth of
@@ -36,8 +36,8 @@ pub struct BeamLikelihood<'a> {
 }
 
 impl<'a> BeamLikelihood<'a> {
-    /// A scan before the obstacles of a map. Of its beams those numbered `beams` are used (see
-    /// [`telling_beams`](super::telling_beams)); of these, the ones that say nothing are not. The
+    /// A scan among the obstacles of a map. Of its beams those numbered `beams` are used (see
+    /// [`informative_beams`](super::informative_beams)); of these, the ones without information are not. The
     /// likelihood is raised to the power `exponent` in (0, 1], as the beams of a scan are not
     /// independent of each other.
     ///
@@ -161,18 +161,16 @@ impl Likelihood for BeamLikelihood<'_> {
     }
 }
 
-// Which beams of a scan say something.
-
-/// Numbers of at most `count` beams of a scan, evenly spread over those that say something: the
-/// measured ranges, and those where nothing returned (longer than the longest range, +inf).
-/// Failed beams (NaN) and those too near are dropped, before thinning.
-pub fn telling_beams(scan: &LaserScan, count: usize) -> Vec<usize> {
-    telling_beams_from(scan, scan.range_min, count)
+/// Numbers of at most `count` beams of a scan, evenly spread over the informative ones: the
+/// measured ranges, and those where nothing returned (longer than the longest range, +inf). Failed
+/// beams (NaN) and those too near are dropped, before thinning.
+pub fn informative_beams(scan: &LaserScan, count: usize) -> Vec<usize> {
+    informative_beams_from(scan, scan.range_min, count)
 }
 
-/// The same with `nearest` \[m\] as the shortest range that says something.
-pub(crate) fn telling_beams_from(scan: &LaserScan, nearest: f64, count: usize) -> Vec<usize> {
-    // Written so that NaN says nothing.
+/// The same with `nearest` \[m\] as the shortest informative range.
+pub(crate) fn informative_beams_from(scan: &LaserScan, nearest: f64, count: usize) -> Vec<usize> {
+    // NaN carries no information.
     let tells = |(_, range): &(usize, &f64)| **range >= nearest;
     thinned(scan.ranges.iter().enumerate().filter(tells).map(|(beam, _)| beam).collect(), count)
 }
@@ -190,7 +188,7 @@ pub(crate) fn thinned(beams: Vec<usize>, count: usize) -> Vec<usize> {
     }
 }
 
-/// What a beam measured \[m\], +inf for no return; `None` for what says nothing.
+/// What a beam measured \[m\], +inf for no return; `None` without information.
 pub(crate) fn reading(scan: &LaserScan, beam: usize, max_range: f64) -> Option<f64> {
     let range = *scan.ranges.get(beam).filter(|range| **range >= scan.range_min)?;
     let in_reach = range <= scan.range_max && range < max_range;

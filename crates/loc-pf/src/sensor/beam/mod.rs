@@ -1,19 +1,19 @@
-//! The beam model: how likely are the ranges of a scan, given what the map lets expect (M6)?
+//! The beam model: the likelihood of the ranges of a scan, given those expected by the map (M6).
 //!
-//! For a pose one casts every beam in the map and compares what it should measure with what it
-//! did. A range may be the expected one with a little noise (hit), shorter because somebody
-//! stands in the way (short), missing (max), or anything (random); [`BeamModel`] weighs these four
-//! against each other. Beams that see nothing tell something too: that there is no wall near. The
-//! likelihood field, which casts no rays and is faster for it, cannot know that.
+//! For a pose every beam is cast in the map, and the expected range compared with the measured one.
+//! A range may be the expected one with a little noise (hit), shorter because a person blocks the
+//! beam (short), missing (max), or anything (random); [`BeamModel`] is the mixture of these four.
+//! Beams without a return are evidence too: that there is no wall near. The likelihood field, which
+//! casts no rays and is faster for it, ignores them.
 //!
-//! [`BeamLikelihood`] holds a scan against a map, from the place of the *laser* on the robot.
+//! [`BeamLikelihood`] rates a scan in a map, from the mounting pose of the *laser* on the robot.
 //!
 //! ```
 //! use loc_core::Pose2;
 //! use loc_maps::worlds::{self, WorldSettings};
 //! use loc_maps::RayCaster;
 //! use loc_pf::mcl::MountedScan;
-//! use loc_pf::sensor::beam::{BeamLikelihood, BeamModelSettings, telling_beams};
+//! use loc_pf::sensor::beam::{BeamLikelihood, BeamModelSettings, informative_beams};
 //! use loc_sensors::laser::LaserScan;
 //! use loc_sensors::world::RangeWorld;
 //! let world = worlds::office(&WorldSettings { width: 200, height: 200, ..Default::default() })?;
@@ -26,7 +26,7 @@
 //! };
 //! caster.cast_fan(&truth.position(), 0.3 - 1.5, 0.05, 20.0, &mut scan.ranges);
 //! let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
-//! let beams = telling_beams(&scan, 30);
+//! let beams = informative_beams(&scan, 30);
 //! let settings = BeamModelSettings::default();
 //! let likelihood = BeamLikelihood::new(&caster, &settings, &mounted, &beams, 1.0)?;
 //! let right = likelihood.log_likelihood(truth);
@@ -37,17 +37,15 @@
 
 mod likelihood;
 
-pub use likelihood::{BeamLikelihood, telling_beams};
-pub(crate) use likelihood::{reading, telling_beams_from, thinned};
+pub use likelihood::{BeamLikelihood, informative_beams};
+pub(crate) use likelihood::{informative_beams_from, reading, thinned};
 
 use crate::Result;
 use loc_core::Normal;
 use loc_core::error::{in_range, non_negative, positive};
 use std::f64::consts::TAU;
 
-// The parameters of the beam model.
-
-/// Parameters of a [`BeamModel`](BeamModel); the defaults are those of nav2_amcl.
+/// Parameters of a [`BeamModel`]; the defaults are those of nav2_amcl.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -64,14 +62,13 @@ pub struct BeamModelSettings {
     pub z_rand: f64,
     /// Standard deviation of what measures the obstacle \[m\] (`sigma_hit`).
     pub sigma_hit: f64,
-    /// How quickly it grows unlikely with the distance that something stands in the way \[1/m\]
-    /// (`lambda_short`).
+    /// Rate of the exponential distribution of short ranges \[1/m\] (`lambda_short`).
     pub lambda_short: f64,
     /// Longest range \[m\] (`laser_max_range`); a scanner with a shorter one decides itself.
     pub max_range: f64,
 }
 
-/// What the density of a range looks like.
+/// The form of the density of a range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -80,8 +77,8 @@ pub enum BeamForm {
     #[default]
     Mixture,
     /// `N(measured; expected, sigma_hit^2)` alone (M6). Where nothing returns, and where nothing is
-    /// expected to, the range counts as `max_range`. A single person in the way can rule out the
-    /// true pose: for simulations and comparisons.
+    /// expected to, the range counts as `max_range`. A single person before the laser can exclude
+    /// the true pose: for simulations and comparisons.
     Gaussian,
 }
 
@@ -138,18 +135,16 @@ impl BeamModelSettings {
     }
 }
 
-// The density of a range.
-
-/// No range is less likely than this \[1/m\], so that a share of 0 rules no pose out for good.
+/// Minimum density of a range \[1/m\], so that a share of 0 excludes no pose for good.
 const MIN: f64 = 1e-12;
 
 /// Parts of `sigma_hit` between which the logarithm is interpolated.
 const STEPS_PER_SIGMA: f64 = 8.0;
 
-/// Most steps from 0 to the longest range.
+/// Maximum number of steps from 0 to the longest range.
 const MAX_STEPS: f64 = 16384.0;
 
-/// Farther from the expected range than this nothing counts as a hit \[sigma_hit\].
+/// Maximum distance of a hit from the expected range \[sigma_hit\].
 const REACH: f64 = 8.0;
 
 /// The beam model of a range finder (M6; Thrun, Burgard and Fox, Probabilistic Robotics, 6.3.1):
@@ -160,9 +155,9 @@ const REACH: f64 = 8.0;
 /// * `p_max` is the probability of no return;
 /// * `p_rand` is `1 / max_range`.
 ///
-/// Where nothing is expected (`d* = +inf`), no return is what a hit looks like: its probability is
-/// `z_hit + z_max`. The book has half a Gaussian there, which makes a scanner that rightly sees
-/// nothing an outlier. For every `d*` above 0 the densities and the probability of no return add
+/// Where nothing is expected (`d* = +inf`), no return counts as a hit: its probability is
+/// `z_hit + z_max`. The book has half a Gaussian there, which makes a correct missing return an
+/// outlier. For every `d*` above 0 the densities and the probability of no return add
 /// up to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamModel {
@@ -280,9 +275,7 @@ impl RangeModel for BeamModel {
     }
 }
 
-// What a likelihood over poses needs to know about ranges.
-
-/// How likely a range is where the map lets expect another one: `p(measured | expected)` (K2).
+/// The likelihood of a measured range given the expected one: `p(measured | expected)` (K2).
 ///
 /// Ranges are in metres; +inf stands for no return, where nothing was in reach or nothing is
 /// expected to be.

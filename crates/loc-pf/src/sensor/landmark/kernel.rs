@@ -1,9 +1,9 @@
 //! The likelihood of many poses at once, in single precision.
 //!
-//! Particles are taken in blocks whose coordinates stay in the fastest memory; for each observation a
-//! loop without branches runs over the block. No direction is computed for a particle, only the
-//! angle between where the landmark is and where it was seen. With outliers the factors of a few
-//! observations are multiplied up before one logarithm is taken.
+//! Particles are taken in blocks whose coordinates stay in the first-level cache; for each
+//! observation a loop without branches runs over the block. No direction is computed for a
+//! particle, only the angle between where the landmark is and where it was seen. With outliers the
+//! factors of a few observations are multiplied up before one logarithm is taken.
 
 use super::{LandmarkLikelihood, ObservationModel, Placed};
 use crate::Poses;
@@ -14,7 +14,7 @@ use nalgebra::Point2;
 /// Particles of one block: a multiple of every vector's length.
 const BLOCK: usize = 64;
 
-/// The smallest product of factors that is sure to be a normal number, with room.
+/// Minimum product of factors that stays a normal number, with a margin.
 const SMALLEST_PRODUCT: f64 = 1e-34;
 
 /// An observation in single precision.
@@ -67,7 +67,7 @@ impl Seen {
             range_sigma_per_m: noise.range_sigma_per_m as f32,
             per_range_sigma: noise.range_sigma_at(range).recip() as f32,
             per_bearing_sigma: noise.bearing_sigma.recip() as f32,
-            // What is rarer than this is as good as impossible in single precision.
+            // Rarer observations are impossible in single precision.
             outlier: if model.outlier_share > 0.0 { outlier.max(SMALLEST_PRODUCT) } else { 0.0 }
                 as f32,
             log_peak,
@@ -89,12 +89,12 @@ struct Block {
 
 pub(super) fn rate(likelihood: &LandmarkLikelihood, poses: Poses<'_>, log_weights: &mut [f64]) {
     if !likelihood.is_empty() {
-        // Compiled for several generations of processors; the one at hand picks at run time.
+        // Compiled for several generations of processors; selected at run time.
         pulp::Arch::new().dispatch(Rating { likelihood, poses, log_weights });
     }
 }
 
-/// The work on a particle set, for one generation of processors.
+/// The work on particles, for one generation of processors.
 struct Rating<'a> {
     likelihood: &'a LandmarkLikelihood,
     poses: Poses<'a>,
@@ -117,7 +117,7 @@ impl pulp::WithSimd for Rating<'_> {
             block.place([x, y, theta], likelihood.origin, &likelihood.model.mounting);
             block.rate(&likelihood.seen);
             for (weight, score) in weights.iter_mut().zip(&block.score) {
-                // A pose beyond all numbers has no score; it is ruled out.
+                // A pose that is not finite has no score; it is excluded.
                 let score = if *score > f32::MIN { f64::from(*score) } else { f64::NEG_INFINITY };
                 *weight += log_peak + score;
             }
@@ -126,8 +126,8 @@ impl pulp::WithSimd for Rating<'_> {
 }
 
 impl Block {
-    /// Takes in robots' poses, as their cameras' places from the origin. The rest of a block that
-    /// is not full keeps what it has.
+    /// Loads poses of the robot, as positions of its camera from the origin. The rest of a block
+    /// that is not full keeps what it has.
     #[inline(always)]
     fn place(&mut self, [x, y, theta]: [&[f64]; 3], origin: Point2<f64>, on_robot: &Pose2) {
         let (forward, left) = (on_robot.x as f32, on_robot.y as f32);
@@ -229,12 +229,12 @@ impl Block {
 /// Elementary functions in single precision, without branches and calls, so that a loop over many
 /// particles becomes vector instructions.
 ///
-/// No fused multiply-add is asked for: the results are the same on every processor.
+/// No fused multiply-add is used: the results are the same on every processor.
 mod single {
     use std::f32::consts::{FRAC_2_PI, FRAC_PI_2, LN_2, LOG2_E, PI, SQRT_2};
 
-    /// Adding and subtracting 1.5 * 2^23 rounds to the nearest whole number, which then also stands in
-    /// the lowest bits.
+    /// Adding and subtracting 1.5 * 2^23 rounds to the nearest whole number, which then also stands
+    /// in the lowest bits.
     const ROUND: f32 = 12_582_912.0;
 
     /// Sine and cosine of an angle of at most a few turns \[rad\], to 2e-7.
@@ -287,10 +287,11 @@ mod single {
         series * power
     }
 
-    /// The natural logarithm of a positive number that is not subnormal, to 2e-7 and a relative 2e-7.
+    /// The natural logarithm of a positive number that is not subnormal, to 2e-7 and a relative
+    /// 2e-7.
     #[inline(always)]
     pub(super) fn ln(x: f32) -> f32 {
-        // The mantissa in [sqrt(1/2), sqrt(2)), by way of moving where the exponent steps.
+        // The mantissa in [sqrt(1/2), sqrt(2)), by shifting where the exponent steps.
         let offset = x.to_bits().wrapping_sub((0.5 * SQRT_2).to_bits());
         let exponent = (offset as i32) >> 23;
         let mantissa = f32::from_bits(x.to_bits().wrapping_sub((exponent as u32) << 23));

@@ -1,10 +1,12 @@
-//! Landmarks of known places, seen by distance, direction or both (M5).
+//! Landmarks at known positions, observed by distance, direction or both (M5).
 //!
-//! From a particle's pose follows where each landmark should have been seen; the nearer the
-//! observation is to that, the larger the particle's weight:
-//! `p = prod_j N(r_j - r_j*; s_r) N(phi_j - phi_j*; s_phi)`. Now and then a number is misread. So
-//! that one such observation does not rule out the right pose, each factor is a mixture with a small
-//! even density over everything that a camera can report.
+//! From a particle's pose follows the expected observation of each landmark; the nearer the
+//! measured one is to it, the larger the particle's weight:
+//!
+//! `p = prod_j N(r_j - r_j*; s_r) N(phi_j - phi_j*; s_phi)`.
+//!
+//! Occasionally a number is misread. So that one such outlier does not exclude the true pose, each
+//! factor is a mixture with a small uniform density over everything that a camera can report.
 //!
 //! ```
 //! use loc_core::{Pose2, random::stream};
@@ -45,23 +47,24 @@ use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed}
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
-/// How observations come about.
+/// The observation model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ObservationModel {
-    /// How far a right observation may be off; both sigmas above 0.
+    /// Noise of inliers; both sigmas above 0.
     pub noise: LandmarkNoise,
     /// The camera's pose on the robot, `base_from_camera`.
     pub mounting: Pose2,
-    /// Share of observations that say nothing, such as misread numbers, in \[0, 1).
+    /// Share of outliers, such as misread numbers, in \[0, 1).
     pub outlier_share: f64,
-    /// Distance up to which landmarks are seen \[m\]: the wrong ones lie anywhere within it.
+    /// Distance up to which landmarks are seen \[m\]: outliers are uniform within it.
     pub outlier_range: f64,
 }
 
 impl Default for ObservationModel {
-    /// 5 cm and 1 degree at the robot's centre; one observation in a hundred is wrong, up to 10 m away.
+    /// 5 cm and 1 degree at the robot's centre; one observation in a hundred is an outlier, up to
+    /// 10 m away.
     fn default() -> Self {
         ObservationModel {
             noise: LandmarkNoise::default(),
@@ -92,7 +95,7 @@ impl ObservationModel {
     }
 }
 
-/// LandmarkObservations of one moment before a map, ready to rate poses.
+/// Observations of one time with the landmarks of a map, prepared to rate poses.
 ///
 /// Many poses are rated in single precision, relative to the first landmark: a pose 100 m from it
 /// is rounded by 4 um, an angle by 4 urad, the logarithm by 1e-5 and a relative 2e-5.
@@ -107,7 +110,7 @@ pub struct LandmarkLikelihood {
     seen: Vec<Seen>,
 }
 
-/// An observation with the place of its landmark in the map \[m\].
+/// An observation with the position of its landmark in the map \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Placed {
     pub(crate) landmark: Point2<f64>,
@@ -115,7 +118,7 @@ pub(crate) struct Placed {
 }
 
 impl LandmarkLikelihood {
-    /// Looks the observations up in the map. Numbers that the map has not are left out, see
+    /// Finds the landmarks of the observations in the map. Unknown numbers are left out, see
     /// [`unknown`](LandmarkLikelihood::unknown).
     ///
     /// # Errors
@@ -159,23 +162,24 @@ impl LandmarkLikelihood {
         &self.unknown
     }
 
-    /// The observations that rate, with the places of their landmarks.
+    /// The observations that rate, with the positions of their landmarks.
     pub(crate) fn placed(&self) -> &[Placed] {
         &self.observations
     }
 
-    /// How the observations come about.
+    /// The observation model.
     pub fn model(&self) -> &ObservationModel {
         &self.model
     }
 
-    /// `ln p(observations | pose)`, in double precision. Densities are per metre and radian, so that
-    /// the logarithm may be positive.
+    /// `ln p(observations | pose)`, in double precision. Densities are per metre and radian, so
+    /// that the logarithm may be positive.
     pub fn log_likelihood(&self, pose: Pose2) -> f64 {
         self.placed().iter().map(|placed| density(placed, self.model(), pose).ln()).sum()
     }
 
-    /// The largest value that the log-likelihood could have: that of observations without any error.
+    /// The largest value that the log-likelihood could have: that of observations without any
+    /// error.
     pub fn log_peak(&self) -> f64 {
         let without_error = |placed: &Placed| {
             let range = placed.observation.sight.range();
@@ -185,8 +189,8 @@ impl LandmarkLikelihood {
         self.placed().iter().map(without_error).sum()
     }
 
-    /// How far each observation is to be trusted if the robot is at `pose`: the share of the right
-    /// ones in the mixture there.
+    /// Probability of each observation being right if the robot is at `pose`: the share of inliers
+    /// in the mixture there.
     pub fn trust(&self, pose: Pose2) -> impl Iterator<Item = Trust> + '_ {
         let known = self.placed().iter().map(move |placed| {
             let density = density(placed, self.model(), pose);
@@ -204,9 +208,7 @@ impl Likelihood for LandmarkLikelihood {
     }
 }
 
-// The likelihood of one pose, in double precision and as the formula stands.
-
-/// How far an observation is to be trusted, given a pose.
+/// Probability of an observation being right, given a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trust {
     /// The observation.
@@ -239,7 +241,7 @@ fn density(placed: &Placed, model: &ObservationModel, pose: Pose2) -> Density {
     if let Some(range) = sight.range() {
         right -= 0.5 * ((range - expected) / model.noise.range_sigma_at(expected)).powi(2);
     }
-    // At a landmark its direction says nothing.
+    // At a landmark its direction is undefined.
     if let Some(bearing) = sight.bearing().filter(|_| expected > 0.0) {
         let turn = angle::difference(bearing, way.y.atan2(way.x) - camera.theta);
         right -= 0.5 * (turn / model.noise.bearing_sigma).powi(2);
@@ -261,7 +263,7 @@ fn peak(expected_range: Option<f64>, placed: &Placed, model: &ObservationModel) 
         }
 }
 
-/// Logarithm of the even density of wrong observations, times their share.
+/// Logarithm of the uniform density of outliers, times their share.
 fn wrong(placed: &Placed, model: &ObservationModel) -> f64 {
     let reach = match placed.observation.sight {
         Observed::RangeBearing { .. } => model.outlier_range * TAU,

@@ -1,9 +1,8 @@
-//! Sensor resetting: poses drawn from what was just seen.
+//! Sensor resetting: poses drawn from the last observations.
 //!
-//! A robot that was carried away finds back faster if new particles start where the observations put
-//! it, not anywhere. Two landmarks by distance and direction fix a pose; one leaves a ring around
-//! the landmark; directions alone leave the place open and fix the heading (Lenser and Veloso
-//! 2000).
+//! A kidnapped robot is relocalized faster if new particles start where the observations put it,
+//! not anywhere. Two landmarks by distance and direction fix a pose; one leaves a ring around the
+//! landmark; directions alone leave the position open and fix the heading (Lenser and Veloso 2000).
 
 use super::{LandmarkLikelihood, ObservationModel, Placed};
 use loc_core::{Pose2, angle};
@@ -14,13 +13,13 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{PI, TAU};
 
-/// How often a pose outside the region is drawn again.
+/// Number of times a pose outside the region is drawn again.
 const TRIES: usize = 20;
 
 /// Draws poses from the observations of one moment.
 ///
-/// Each draw believes one observation, or two, and blurs them by `spread` times their noise, so that a
-/// particle set of such poses is wider than what the observations say and may be weighed by them.
+/// Each draw uses one observation, or two, and adds `spread` times their noise, so that such poses
+/// are wider than the likelihood of the observations and may be weighted by them.
 #[derive(Debug, Clone)]
 pub struct SensorResetting<'a> {
     likelihood: &'a LandmarkLikelihood,
@@ -70,7 +69,7 @@ impl<'a> SensorResetting<'a> {
         Some(camera? * self.likelihood.model().mounting.inverse())
     }
 
-    /// An observation with an error more.
+    /// An observation with additional noise.
     fn blurred<R: Rng + ?Sized>(&self, placed: &Placed, rng: &mut R) -> Blurred {
         let ObservationModel { noise, .. } = self.likelihood.model();
         let sight = placed.observation.sight;
@@ -94,7 +93,7 @@ struct Blurred {
     sight: Observed,
 }
 
-/// Two observations of different landmarks at random, or the only one. What has a distance comes
+/// Two observations of different landmarks at random, or the only one. One with a distance comes
 /// first, and alone where the other has none.
 fn pick<'p, R: Rng + ?Sized>(
     placed: &'p [Placed],
@@ -143,8 +142,8 @@ fn two<R: Rng + ?Sized>(first: &Blurred, second: &Blurred, rng: &mut R) -> Optio
     }
 }
 
-/// The pose from which two landmarks are seen so: their line gives the heading, their middle the
-/// place.
+/// The pose from which two landmarks are observed: their line gives the heading, their middle the
+/// position.
 fn fixed(landmarks: [Point2<f64>; 2], seen: [(f64, f64); 2]) -> Pose2 {
     let in_camera = seen.map(|(range, bearing)| {
         let (sin, cos) = bearing.sin_cos();
@@ -160,7 +159,7 @@ fn fixed(landmarks: [Point2<f64>; 2], seen: [(f64, f64); 2]) -> Pose2 {
     Pose2::new(middle.x - turned_x, middle.y - turned_y, heading)
 }
 
-/// A pose on the ring around a landmark; it looks anywhere where no direction was measured.
+/// A pose on the ring around a landmark; its heading is uniform where no direction was measured.
 fn on_ring<R: Rng + ?Sized>(
     landmark: Point2<f64>,
     range: f64,
@@ -175,7 +174,7 @@ fn on_ring<R: Rng + ?Sized>(
     Pose2::new(landmark.x + range * cos, landmark.y + range * sin, heading)
 }
 
-/// One of the two places where circles meet; where they do not, the one between them.
+/// One of the two intersections of circles; where they do not intersect, the point between them.
 fn on_both<R: Rng + ?Sized>(
     a: Point2<f64>,
     range_a: f64,

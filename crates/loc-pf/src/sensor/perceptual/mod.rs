@@ -1,11 +1,11 @@
-//! The perceptual model learned from data: what does a range finder measure where the map lets
-//! expect a certain range (K2)?
+//! The perceptual model learned from data: the distribution of measured ranges given the range
+//! expected by the map (K2).
 //!
-//! Every beam taken at a known pose is a [`RangePair`]: the range that the map lets expect there,
-//! and the one that was measured. Counted over both, many pairs give the surface
-//! `p(measured | expected)`: a ridge along `measured = expected`, a slope before it from people and
-//! chairs that are on no map, a wall at the longest range. [`PerceptualHistogram`] keeps the counts;
-//! its [`PerceptualModel`] rates scans as it stands. [`fit_beam_model`] finds the parameters of the
+//! Every beam taken at a known pose is a [`RangePair`]: the range expected by the map there, and
+//! the one that was measured. Counted over both, many pairs give the surface
+//! `p(measured | expected)`: a ridge along `measured = expected`, a slope before it from people and chairs that
+//! are not in the map, a peak at the longest range. [`PerceptualHistogram`] keeps the counts; its
+//! [`PerceptualModel`] rates scans directly. [`fit_beam_model`] finds the parameters of the
 //! [`BeamModel`](super::BeamModel) that explain the pairs best, by maximum likelihood.
 //!
 //! ```
@@ -42,9 +42,7 @@ use loc_core::Pose2;
 use loc_sensors::laser::LaserScan;
 use loc_sensors::world::RangeWorld;
 
-// Expected and measured ranges that belong together.
-
-/// The range that a map lets expect and the one that was measured \[m\]; +inf for no return.
+/// The range expected by a map and the measured one \[m\]; +inf for no return.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RangePair {
     /// By casting the beam in the map.
@@ -53,7 +51,7 @@ pub struct RangePair {
     pub measured: f64,
 }
 
-/// The pairs of a scan taken from a known pose of the laser, for its beams that say something.
+/// The pairs of a scan taken from a known pose of the laser, for its informative beams.
 /// Ranges from `max_range` \[m\] on, or that of the scan if shorter, count as no return.
 pub fn range_pairs(
     world: &impl RangeWorld,
@@ -73,10 +71,8 @@ pub fn range_pairs(
     beams.filter_map(pair).collect()
 }
 
-// The conditional density that the counts say.
-
 /// Pairs that are added to those of every expected range, spread evenly over all that can be
-/// measured: what was never seen stays possible.
+/// measured: ranges without counts stay possible.
 const ADDED: f64 = 10.0;
 
 /// Weights of a row itself and of its neighbours on either side.

@@ -1,4 +1,5 @@
-//! What the pairs say about parameters that are nearly right: one pass of expectation.
+//! Counts of range pairs, and the maximum likelihood fit of the beam model by expectation
+//! maximization.
 
 use super::{PerceptualModel, RangePair};
 use crate::Result;
@@ -6,7 +7,7 @@ use crate::sensor::beam::{BeamForm, BeamModel, BeamModelSettings};
 use loc_core::Normal;
 use loc_core::error::{in_range, positive};
 
-/// Sums over all pairs, each part weighted by how likely it explains the pair.
+/// Sums over all pairs, each part weighted by its responsibility for the pair (expectation step).
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Statistics {
     /// Sum of the logarithms of the densities.
@@ -74,7 +75,7 @@ impl Statistics {
 
 /// Simulated ranges without noise would end at 0.
 const MIN_SIGMA: f64 = 1e-3;
-/// From here on there is no telling an even distribution from one that falls off [1/m].
+/// Below this an exponential distribution is indistinguishable from a uniform one [1/m].
 const MIN_LAMBDA: f64 = 1e-4;
 const MAX_LAMBDA: f64 = 1e3;
 
@@ -103,12 +104,10 @@ fn truncated(lambda: f64, end: f64) -> (f64, f64) {
     (mean, 1.0 / (lambda * lambda) - end * end * tail * (1.0 + tail))
 }
 
-// Counts of expected and measured ranges.
-
-/// Most bins along an axis.
+/// Maximum number of bins along an axis.
 const MAX_BINS: f64 = 4096.0;
 
-/// How often a range was measured where another one was expected.
+/// Counts of pairs of expected and measured range.
 ///
 /// Both axes have bins of the same width from 0 to the longest range, and one more for no return.
 /// Four bytes for each pair of bins.
@@ -187,24 +186,22 @@ impl PerceptualHistogram {
     }
 }
 
-// The beam model's parameters by maximum likelihood.
+/// Minimum number of pairs with both ranges in reach, for six parameters.
+const MIN_PAIRS: usize = 100;
 
-/// Fewer pairs with both ranges in reach say nothing about six parameters.
-const FEWEST: usize = 100;
-
-/// At most so many steps.
+/// Maximum number of steps.
 const MAX_STEPS: usize = 500;
 
 /// The fit has converged when a step gains less than this a pair.
 const GAIN: f64 = 1e-7;
 
-/// How often a step that loses is halved.
+/// Maximum number of halvings of a step that lowers the likelihood.
 const HALVINGS: usize = 30;
 
 /// A share of 0 would stay 0.
 const MIN_SHARE: f64 = 0.01;
 
-/// What was fitted, and how.
+/// The result of the fit.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct FitReport {
@@ -215,14 +212,14 @@ pub struct FitReport {
     pub log_likelihoods: Vec<f64>,
     /// Number of pairs that were used.
     pub pairs: usize,
-    /// Whether the last step gained next to nothing; if not, the steps ran out.
+    /// Whether the fit converged; if not, it stopped at the maximum number of steps.
     pub converged: bool,
 }
 
 /// The parameters of the beam model that make the pairs most likely, found by expectation
 /// maximization from `start` (K2; Probabilistic Robotics, table 6.2, with exact normalisers).
 ///
-/// `start` also says the longest range; the form of the model is always the mixture. Shares below
+/// `start` also gives the longest range; the form of the model is always the mixture. Shares below
 /// 0.01 start from there. `sigma_hit` does not go below 1 mm, nor `lambda_short` below 1e-4 / m.
 ///
 /// # Errors
@@ -237,14 +234,14 @@ pub fn fit_beam_model(pairs: &[RangePair], start: &BeamModelSettings) -> Result<
     let pairs: Vec<RangePair> = pairs.iter().filter(ranges).copied().collect();
     let in_reach = |pair: &&RangePair| pair.expected.max(pair.measured) < settings.max_range;
     let found = pairs.iter().filter(in_reach).count();
-    if found < FEWEST {
+    if found < MIN_PAIRS {
         let what = "pairs of an expected and a measured range within reach";
         return Err(loc_core::Error::Length { what, expected: "at least 100", found }.into());
     }
     climb(&pairs, settings.normalized()?)
 }
 
-/// Steps until they gain nothing more.
+/// Steps until convergence.
 // ANCHOR: climb
 fn climb(pairs: &[RangePair], mut settings: BeamModelSettings) -> Result<FitReport> {
     let mean = |statistics: &Statistics| statistics.log_likelihood / pairs.len() as f64;
@@ -255,7 +252,7 @@ fn climb(pairs: &[RangePair], mut settings: BeamModelSettings) -> Result<FitRepo
         let mut proposed = now.improve(&settings);
         let mut next = Statistics::of(pairs, &BeamModel::new(&proposed)?);
         for _ in 0..HALVINGS {
-            // Written so that NaN loses.
+            // NaN counts as lower.
             if next.log_likelihood >= now.log_likelihood {
                 break;
             }
@@ -273,7 +270,7 @@ fn climb(pairs: &[RangePair], mut settings: BeamModelSettings) -> Result<FitRepo
 }
 // ANCHOR_END: climb
 
-/// Half the way from one set of parameters to another.
+/// The midpoint of two sets of parameters.
 fn between(a: &BeamModelSettings, b: &BeamModelSettings) -> BeamModelSettings {
     BeamModelSettings {
         form: a.form,
