@@ -338,5 +338,5 @@ fn broken_recordings_name_file_line_and_column() {
     write(path, "gtsam_landmark_obs.csv", "1,2,1.0,0.0,1.0,0.0\n");
     write(path, "gps.csv", "9.0,1.0,2.0\n");
     let text = message(LandmarkRecording::victoria_park(path, Trees::Numbered, [0.0; 3]));
-    assert!(text.contains("positions of the GPS along the first way"), "{text}");
+    assert!(text.contains("positions of the GPS along the first part"), "{text}");
 }

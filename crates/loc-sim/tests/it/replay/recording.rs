@@ -65,7 +65,7 @@ fn stamps_that_do_not_rise_give_way_to_numbers() {
     let log = "ODOM 50 50 0 0 0 0 7 h 7\nFLASER 1 5 1 1 0 7 7 0 7 h 7\nFLASER 1 6 2 1 0 8 7 0 7 h 7\n\
                FLASER 1 6 3 1 0 9 7 0 7 h 7\n";
     let recording = open(log, &ReplayOptions::default()).unwrap();
-    assert_eq!(recording.notes(), ["its stamps are of no use: scans are taken as 1 s apart"]);
+    assert_eq!(recording.notes(), ["its stamps do not ascend: scans are taken as 1 s apart"]);
     assert_eq!(recording.setup().start_belief.pose(), Pose2::new(1.0, 1.0, 0.0));
     let stamps: Vec<f64> = events(recording).iter().map(|event| event.stamp).collect();
     assert_eq!(stamps, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0]);
