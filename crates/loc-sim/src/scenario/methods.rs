@@ -1,4 +1,4 @@
-//! What the filters are told, in the units of configuration files.
+//! The settings of the methods in a scenario, in the units of configuration files.
 
 use crate::Result;
 use crate::localizer::MethodSettings;

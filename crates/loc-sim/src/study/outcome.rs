@@ -305,7 +305,7 @@ fn as_map<S: Serializer>(
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Success {
     /// At the end its estimates lie within 0.5 m and 10 deg of the truth, see
-    /// [`ends_near`](crate::metrics::ends_near).
+    /// [`ends_near`].
     #[default]
     EndsNear,
     /// A figure of `summary.json` lies below a limit.

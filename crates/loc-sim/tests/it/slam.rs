@@ -77,7 +77,7 @@ fn particles_close_a_loop_without_numbers() {
 
 /// The method observes landmarks without their map: it gives the same result without one.
 #[test]
-fn slam_is_not_told_the_landmarks() {
+fn slam_does_not_use_the_true_landmarks() {
     let scenario = scenario("slam-landmarks", &[]);
     let settings = scenario.settings().unwrap();
     let mut source = scenario.source(3).unwrap();
