@@ -2,20 +2,20 @@
 
 use std::path::PathBuf;
 
-/// What went wrong, what was expected, what came instead, and where.
+/// An error: what was expected, what was found instead, and where.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Anything that the crates below report: files, numbers, poses.
+    /// An error of files, numbers or poses.
     #[error(transparent)]
     Core(#[from] loc_core::Error),
-    /// What a map reports.
+    /// An error of a map.
     #[error(transparent)]
     Map(#[from] loc_maps::Error),
-    /// What a filter reports.
+    /// An error of a filter.
     #[error(transparent)]
     Filter(#[from] loc_filters::Error),
-    /// What a particle filter reports.
+    /// An error of a particle filter.
     #[error(transparent)]
     ParticleFilter(#[from] loc_pf::Error),
     /// A recording whose parts do not fit together.
@@ -25,20 +25,20 @@ pub enum Error {
         path: PathBuf,
         /// What was expected.
         expected: String,
-        /// What came instead.
+        /// What was found instead.
         found: String,
     },
-    /// A message whose bytes are not what its type says.
+    /// A message whose bytes do not match its type.
     #[error("{what}: expected {expected}, got {found}")]
     Malformed {
         /// The field.
         what: String,
         /// What was expected.
         expected: String,
-        /// What came instead.
+        /// What was found instead.
         found: String,
     },
-    /// A transform between two frames that nothing gives.
+    /// A missing transform between two frames.
     #[error("no transform {target} <- {source_frame} at {stamp} s: {reason}")]
     NoTransform {
         /// The frame to be transformed into.
@@ -50,7 +50,7 @@ pub enum Error {
         /// Which frames or times are known.
         reason: String,
     },
-    /// A scenario or configuration that cannot be understood.
+    /// An invalid scenario or configuration.
     #[error("{file}: {message}")]
     Config {
         /// The file, or the name of the built-in scenario.
@@ -58,14 +58,14 @@ pub enum Error {
         /// Line, field, what was expected and what came.
         message: String,
     },
-    /// A name that nothing has.
+    /// An unknown name.
     #[error("{what}: expected one of {expected}, got `{found}`")]
     UnknownName {
-        /// What was named.
+        /// The kind of the name.
         what: &'static str,
-        /// The names there are.
+        /// The known names.
         expected: String,
-        /// The name that came.
+        /// The unknown name.
         found: String,
     },
     /// A method that cannot run on a source.
@@ -103,7 +103,7 @@ pub enum Error {
         /// The source.
         source_name: String,
     },
-    /// No two stamps of two trajectories lie close enough to belong together.
+    /// No two stamps of two trajectories are close enough to be paired.
     #[error(
         "{estimate} (from {estimate_start} s to {estimate_end} s) and {reference} (from \
          {reference_start} s to {reference_end} s): expected stamps within {max_dt} s of each \
@@ -131,7 +131,7 @@ pub enum Error {
          that fit every rotation equally well"
     )]
     UndeterminedAlignment {
-        /// Number of pairs of poses that there were.
+        /// Number of pairs of poses.
         pairs: usize,
     },
 }

@@ -9,7 +9,6 @@ pub mod error;
 pub mod localizer;
 pub mod metrics;
 pub mod nav2;
-mod odometry;
 pub mod output;
 pub mod perceptual;
 pub mod probability_map;

@@ -1,4 +1,4 @@
-//! A progress bar for work that lasts, on a terminal only.
+//! The terminal: progress bar, Ctrl-C, and text in the width of the terminal.
 
 use super::Global;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 const STEPS: u64 = 1000;
 
-/// Shows the share of a work that is done, from its second second on.
+/// A progress bar on a terminal, shown after 1 s.
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
     started: Instant,
@@ -26,7 +26,7 @@ impl Progress {
     }
 
     /// The share of the work that is done, in \[0, 1\].
-    pub(super) fn tell(&mut self, share: f64) {
+    pub(super) fn update(&mut self, share: f64) {
         let position = (share * STEPS as f64) as u64;
         if !self.wanted || position == self.position {
             return;
@@ -53,23 +53,18 @@ impl Progress {
     }
 }
 
-// Ctrl-C: nothing half is left behind, and the exit code says what happened.
-//
-// Results are written at the end of a run, whole or not at all; Ctrl-C in that moment waits until
-// they are. Before it, there is nothing to keep, so that the program ends at once and takes away
-// the file that it was about to fill.
-
-/// Files that are not whole yet.
+/// Incomplete files, which Ctrl-C removes.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From now on Ctrl-C ends the program so.
-pub(super) fn watch() -> anyhow::Result<()> {
+/// Installs the handler of Ctrl-C: it waits for the writing of results ([`uninterrupted`]), removes
+/// incomplete files and ends the program with the exit code of an interruption.
+pub(super) fn handle_interrupts() -> anyhow::Result<()> {
     ctrlc::set_handler(|| {
-        // Held until the end: nobody begins to write any more.
+        // The lock is held to the end of the process, so no writing begins any more.
         let files = unfinished();
         for file in files.iter() {
             let _ = std::fs::remove_file(file);
@@ -80,15 +75,15 @@ pub(super) fn watch() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Does what must not be interrupted, and should be short.
+/// Runs short work, such as the writing of results, that Ctrl-C must not interrupt.
 pub(super) fn uninterrupted<T>(work: impl FnOnce() -> T) -> T {
     let _files = unfinished();
     work()
 }
 
-/// Lets `fill` write a file, which Ctrl-C takes away meanwhile.
+/// Lets `fill` write a file, which Ctrl-C removes meanwhile.
 pub(super) fn filling<T>(path: &Path, fill: impl FnOnce() -> T) -> T {
-    // What is there already is a pipe or a device, which stays.
+    // An existing path is a pipe or a device, which stays.
     let is_new = !path.exists();
     unfinished().extend(is_new.then(|| path.to_owned()));
     let filled = fill();
@@ -96,7 +91,7 @@ pub(super) fn filling<T>(path: &Path, fill: impl FnOnce() -> T) -> T {
     filled
 }
 
-/// A file that is taken away by Ctrl-C, and when this is dropped.
+/// A file that is removed by Ctrl-C, and on drop.
 #[derive(Debug)]
 pub(super) struct Unfinished {
     path: PathBuf,
@@ -116,21 +111,19 @@ impl Unfinished {
 impl Drop for Unfinished {
     fn drop(&mut self) {
         unfinished().retain(|path| *path != self.path);
-        // It is not there any more where it has taken its place.
+        // A completed file has been renamed, so that this finds none.
         let _ = std::fs::remove_file(&self.path);
     }
 }
 
-// Text for the terminal that is there: narrow ones too.
-
-/// The columns of the terminal that standard output is; `None` where it is none.
+/// The width of the terminal in columns; `None` where standard output is not a terminal.
 pub(super) fn width() -> Option<usize> {
     let terminal = console::Term::stdout();
     let (_, columns) = terminal.is_term().then(|| terminal.size_checked()).flatten()?;
     (columns > 0).then_some(columns.into())
 }
 
-/// The text in lines of at most `width` columns: tables lose columns on the right, and say so;
+/// The text in lines of at most `width` columns: tables lose columns on the right, with a remark;
 /// other lines are broken between words.
 pub(super) fn narrow(text: &str, width: usize) -> String {
     let lines: Vec<&str> = text.lines().collect();
@@ -155,7 +148,7 @@ fn columns(line: &str) -> usize {
     line.chars().count()
 }
 
-/// Rows of tables have gaps.
+/// Rows of tables have gaps of several spaces.
 fn is_row(line: &str) -> bool {
     line.trim().contains("  ")
 }

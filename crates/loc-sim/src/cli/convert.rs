@@ -1,4 +1,4 @@
-//! `loc-sim convert`: a recording in another format.
+//! `loc-sim convert` writes a recording in another format.
 
 use super::console::Progress;
 use super::replay::{Format, RosArgs, guess, open_landmarks};
@@ -18,7 +18,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-/// Convert a recording into another format, as far as that has a place for what it holds.
+/// Convert a recording into another format, as far as that format can represent it.
 ///
 /// A bag becomes an MCAP file with its own topics. From other recordings an MCAP file gets /odom,
 /// /scan, /tf and /ground_truth.
@@ -30,7 +30,7 @@ pub struct ConvertArgs {
     /// The file to write.
     #[arg(value_name = "OUT")]
     pub out: PathBuf,
-    /// What to write.
+    /// The target format.
     #[arg(long, value_enum, value_name = "F")]
     pub to: Target,
     /// The format of the recording; found by its contents where left out.
@@ -42,7 +42,7 @@ pub struct ConvertArgs {
     /// The track for a TUM file; the reference where there is one, if left out.
     #[arg(long, value_enum, value_name = "T")]
     pub track: Option<Track>,
-    /// What is said about a bag.
+    /// Options for bags.
     #[command(flatten)]
     pub ros: RosArgs,
 }
@@ -58,10 +58,10 @@ pub enum Target {
     Tum,
 }
 
-/// Converts a recording and says what was written, and what had no place.
+/// Converts a recording and reports what was written and what was left out.
 ///
 /// # Errors
-/// What is wrong with the recording, and what the operating system says; OUT is then as it was.
+/// Errors of the recording and of the operating system; OUT is then unchanged.
 pub fn convert(args: &ConvertArgs, global: &Global) -> anyhow::Result<()> {
     let (log, out) = (args.log.as_path(), args.out.as_path());
     let format = args.format.map_or_else(|| guess(log), Ok)?;
@@ -74,28 +74,28 @@ pub fn convert(args: &ConvertArgs, global: &Global) -> anyhow::Result<()> {
     }
     args.ros.refuse_unless(format)?;
     let mut progress = Progress::new("convert", global);
-    let mut tell = |share| progress.tell(share);
+    let mut update = |share| progress.update(share);
     let mut write = |part: &Path| match (args.to, format) {
         (Target::Mcap, Format::Ros) => {
-            transcribe(ros::open(log)?.as_mut(), McapWriter::create(part)?, &mut tell)
+            transcribe(ros::open(log)?.as_mut(), McapWriter::create(part)?, &mut update)
         }
-        (Target::Mcap, _) => to_mcap(open(args, format)?.as_mut(), part, &mut tell),
+        (Target::Mcap, _) => to_mcap(open(args, format)?.as_mut(), part, &mut update),
         (Target::Carmen, _) => {
             let file = File::create(part).map_err(loc_core::Error::io(part))?;
-            to_carmen(open(args, format)?.as_mut(), BufWriter::new(file), out, &mut tell)
+            to_carmen(open(args, format)?.as_mut(), BufWriter::new(file), out, &mut update)
         }
         (Target::Tum, _) => {
-            let (track, converted) = to_tum(open(args, format)?.as_mut(), args.track, &mut tell)?;
+            let (track, converted) = to_tum(open(args, format)?.as_mut(), args.track, &mut update)?;
             std::fs::write(part, track.to_tum()).map_err(loc_core::Error::io(out))?;
             Ok::<_, Error>(converted)
         }
     };
     let converted = write_beside(out, |part| console::filling(part, || write(part)))?;
     progress.finish();
-    tell_of(&converted, args, global)
+    report(&converted, args, global)
 }
 
-fn tell_of(converted: &Converted, args: &ConvertArgs, global: &Global) -> anyhow::Result<()> {
+fn report(converted: &Converted, args: &ConvertArgs, global: &Global) -> anyhow::Result<()> {
     if global.quiet {
         return Ok(());
     }
@@ -118,7 +118,9 @@ fn open(args: &ConvertArgs, format: Format) -> Result<Box<dyn Source>> {
     let options = ReplayOptions { start: Start::Anywhere, ..ReplayOptions::default() };
     let replayed = |log: LaserLog| LaserRecording::new(log, &options);
     Ok(match format {
-        Format::Ros => Box::new(RosRecording::open(log, &options, &args.ros.as_it_is(0)?)?),
+        Format::Ros => {
+            Box::new(RosRecording::open(log, &options, &args.ros.with_original_stamps(0)?)?)
+        }
         Format::Carmen => Box::new(replayed(CarmenLog::open(log)?.laser_log()?)?),
         Format::Wean => Box::new(replayed(WeanLog::open(log)?.laser_log()?)?),
         Format::Mrclam => Box::new(Mrclam::open(log, args.robot)?),

@@ -1,4 +1,4 @@
-//! `loc-sim eval`: the figures of one TUM file against another.
+//! `loc-sim eval` computes the errors of one TUM file against another.
 
 use crate::metrics::evaluate;
 use crate::metrics::{Alignment, EvalSettings, Evaluation, SpatialTrajectory, Statistics};
@@ -12,13 +12,13 @@ pub struct EvalArgs {
     /// The estimated trajectory.
     #[arg(value_name = "ESTIMATE.tum")]
     pub estimate: PathBuf,
-    /// The trajectory that is taken for the truth.
+    /// The reference trajectory.
     #[arg(value_name = "REFERENCE.tum")]
     pub reference: PathBuf,
-    /// How the estimate is carried into the frame of the reference.
+    /// How the estimate is aligned with the frame of the reference.
     #[arg(long, value_enum, default_value_t)]
     pub align: Alignment,
-    /// Largest difference in time of two poses that belong together, in seconds.
+    /// Largest time difference of two paired poses, in seconds.
     #[arg(long, value_name = "S", default_value_t = EvalSettings::default().max_dt,
           value_parser = duration, allow_negative_numbers = true)]
     pub max_dt: f64,

@@ -1,4 +1,4 @@
-//! `loc-sim fit-beam`: the beam model's parameters, learned from a log.
+//! `loc-sim fit-beam` learns the parameters of the beam model from a log.
 
 use super::{Global, print};
 use crate::output::{Folder, perceptual};
@@ -15,13 +15,13 @@ use loc_sensors::laser::LaserScan;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Fewer of the poses in free space, and the log and the map have nothing to do with each other.
+/// Smallest share of the poses in free space; below it log and map do not belong together.
 const IN_MAP: f64 = 0.5;
 
-/// Fewer of the ranges near the expected ones, and the map does not fit the log.
+/// Smallest share of the ranges near the expected ones; below it the map does not fit the log.
 const AGREE: f64 = 0.5;
 
-/// What counts as near \[m\].
+/// Largest difference of a range that counts as near \[m\].
 const NEAR: f64 = 0.5;
 
 /// Learn the parameters of the beam model from a CARMEN log whose laser poses lie in a map.
@@ -50,7 +50,7 @@ pub struct FitBeamArgs {
 /// Learns, writes the folder and prints the parameters.
 ///
 /// # Errors
-/// What is wrong with the log, the map or the settings, and where they do not fit together.
+/// Errors of the log, the map or the settings, and a log that does not fit the map.
 pub fn fit_beam(args: &FitBeamArgs, global: &Global) -> anyhow::Result<()> {
     let grid = io::load(&args.map)?;
     let lasers = CarmenLog::open(&args.log)?.lasers()?;
@@ -81,7 +81,7 @@ pub fn fit_beam(args: &FitBeamArgs, global: &Global) -> anyhow::Result<()> {
     print(&format!("written to {}", args.out.display()))
 }
 
-/// Poses elsewhere than in the map's free space are no reference poses.
+/// Checks that the poses lie in the map's free space.
 fn check_poses(
     args: &FitBeamArgs,
     grid: &OccupancyGrid,
@@ -105,7 +105,7 @@ fn check_poses(
     Ok(())
 }
 
-/// Ranges that have nothing to do with the map teach nothing.
+/// Checks that the ranges agree with the map.
 fn check_ranges(args: &FitBeamArgs, learned: &Learned) -> Result<()> {
     let share = learned.within(NEAR);
     if share >= AGREE {

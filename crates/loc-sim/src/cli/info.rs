@@ -1,4 +1,4 @@
-//! `loc-sim info`: what a recording holds.
+//! `loc-sim info` lists the content of a recording.
 
 use super::Global;
 use super::console::Progress;
@@ -24,7 +24,7 @@ pub struct InfoArgs {
     pub format: Option<Format>,
 }
 
-/// A topic, or what stands for one in a format without.
+/// A topic, or a kind of message in a format without topics.
 #[derive(Debug, Clone, Default, serde::Serialize)]
 struct Row {
     topic: String,
@@ -48,7 +48,7 @@ struct Info {
     notes: Vec<String>,
 }
 
-/// Reads a recording to its end and prints what it holds.
+/// Reads a recording to its end and prints its content.
 ///
 /// # Errors
 /// What is wrong with the recording.
@@ -123,7 +123,7 @@ type Found = (Vec<Row>, Vec<String>);
 fn bag(log: &Path, global: &Global) -> anyhow::Result<Found> {
     let mut bag = ros::open(log)?;
     let mut progress = Progress::new("info", global);
-    let survey = Survey::of(bag.as_mut(), &mut |_, _| {}, &mut |share| progress.tell(share))?;
+    let survey = Survey::of(bag.as_mut(), &mut |_, _| {}, &mut |share| progress.update(share))?;
     progress.finish();
     let row = |topic: ros::Topic| Row {
         rate_hz: topic.rate(),
@@ -211,8 +211,8 @@ fn ranges(source: RangeRecording) -> anyhow::Result<Found> {
     beacons(source, ["velocity", "ranges", "range to a beacon"])
 }
 
-/// A recording of odometry and of what was measured of beacons or landmarks; their types, and the
-/// name of the latter.
+/// A recording of odometry and of observations of beacons or landmarks; `names` are their types
+/// and the name of the latter.
 fn beacons(mut source: impl Source, names: [&'static str; 3]) -> anyhow::Result<Found> {
     let [odometry, topic, measured] = names;
     let mut counter = Counter::default();

@@ -1,4 +1,4 @@
-//! `loc-sim map`: look at maps, convert, build and make them.
+//! `loc-sim map` shows maps, converts, builds and generates them.
 
 use super::{Global, print};
 use crate::source::carmen::{CarmenLaser, CarmenLog};
@@ -15,7 +15,7 @@ use loc_sensors::laser::LaserScan;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Look at a map, convert it, build one from a log, or make a world.
+/// Show a map, convert it, build one from a log, or generate a world.
 #[derive(Debug, Clone, clap::Args)]
 pub struct MapArgs {
     #[command(subcommand)]
@@ -77,8 +77,6 @@ fn has_extension(file: &Path, extensions: &[&str]) -> bool {
     let extension = file.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     extension.is_some_and(|extension| extensions.contains(&extension.as_str()))
 }
-
-// `loc-sim map info`: what a map holds.
 
 /// Print size, resolution, origin and counts of a map, and a thumbnail.
 #[derive(Debug, Clone, clap::Args)]
@@ -163,12 +161,10 @@ fn figures(map: &AnyMap) -> Value {
     }
 }
 
-// A map in a terminal.
-
 /// From free to all wall.
 const SHADES: [char; 5] = [' ', '░', '▒', '▓', '█'];
 
-/// What of a part of the map is of a kind.
+/// The shares of free, occupied and unknown cells in a part of the map.
 #[derive(Default)]
 struct Part {
     free: usize,
@@ -182,7 +178,7 @@ impl Part {
         if known == 0 || self.occupied == 0 && self.unknown > self.free {
             return '·';
         }
-        // A wall is thin: a tenth of a part is a wall through it.
+        // Walls are thin: a wall across the part fills a tenth of it.
         let share = self.occupied as f64 / (known + self.unknown) as f64;
         match share {
             0.0 => SHADES[0],
@@ -229,7 +225,7 @@ fn part(grid: &OccupancyGrid, columns: (usize, usize), rows: (usize, usize)) -> 
     part
 }
 
-/// The columns and rows, from and to, that hold everything known.
+/// The columns and rows, from and to, of the bounding box of the known cells.
 fn known(grid: &OccupancyGrid) -> Option<((usize, usize), (usize, usize))> {
     let mut around: Option<((usize, usize), (usize, usize))> = None;
     for (cell, value) in grid.iter() {
@@ -246,9 +242,7 @@ fn known(grid: &OccupancyGrid) -> Option<((usize, usize), (usize, usize))> {
     around
 }
 
-// `loc-sim map convert`: from one kind of map to another.
-
-/// Convert a map; the ending of OUT says into what.
+/// Convert a map; the ending of OUT names the format.
 #[derive(Debug, Clone, clap::Args)]
 struct ConvertArgs {
     /// A map_server YAML file, a map file of Wean Hall (.dat), or a CSV file of lines or points.
@@ -257,7 +251,7 @@ struct ConvertArgs {
     /// A .yaml file (grid, with its image), .csv (lines or points), .toml (places), or .svg.
     #[arg(value_name = "OUT")]
     pub output: PathBuf,
-    /// What a .csv file is to hold.
+    /// Content of a .csv file.
     #[arg(long = "to", value_name = "KIND", value_enum, default_value_t = Kind::Lines)]
     pub kind: Kind,
     /// Image beside a .yaml file.
@@ -271,7 +265,7 @@ struct ConvertArgs {
     pub resolution: f64,
 }
 
-/// What a CSV file holds.
+/// The content of a CSV file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Kind {
     /// x1,y1,x2,y2
@@ -358,8 +352,6 @@ fn picture(map: &AnyMap, places: bool) -> anyhow::Result<MapPicture> {
     })
 }
 
-// `loc-sim map build`: maps from a log whose poses are known.
-
 /// Build an occupancy grid and a scan map from a CARMEN log, at the laser poses that it holds.
 #[derive(Debug, Clone, clap::Args)]
 struct BuildArgs {
@@ -375,13 +367,13 @@ struct BuildArgs {
     /// Side of a cell.
     #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true)]
     pub resolution: f64,
-    /// A map whose frame the grid is to have.
+    /// A map whose frame the grid gets.
     #[arg(long, value_name = "MAP.yaml")]
     pub like: Option<PathBuf>,
     /// The scan map keeps one point in squares of this side.
     #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true)]
     pub thin: f64,
-    /// Beams are followed no farther than this.
+    /// Longest range that is used.
     #[arg(long, value_name = "M", default_value_t = InverseSensorModel::default().max_range)]
     pub max_range: f64,
 }
@@ -437,9 +429,7 @@ fn scan_map(args: &BuildArgs, scans: &[(Pose2, LaserScan)]) -> anyhow::Result<Po
     Ok(PointMap::from_scans(slices, args.thin)?)
 }
 
-// `loc-sim map make`: a generated world.
-
-/// Make a world to try robots in.
+/// Generate a world.
 #[derive(Debug, Clone, clap::Args)]
 struct MakeArgs {
     /// The world: office, corridor, soccer-field or hall-of-mirrors.
@@ -450,7 +440,7 @@ struct MakeArgs {
     /// Side of a cell; one that suits the world where left out.
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub resolution: Option<f64>,
-    /// Seed of what stands where.
+    /// Seed of the layout.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// The folder to write; out/WORLD where left out.

@@ -15,7 +15,7 @@ pub mod study;
 use clap::{Parser, Subcommand};
 use std::io::Write;
 
-/// Every estimator on every recording, simulated or real, judged the same way.
+/// Every estimator on every recording, simulated or real, evaluated the same way.
 ///
 /// Without a subcommand it runs the scenario `overview`.
 #[derive(Debug, Parser)]
@@ -27,7 +27,7 @@ pub struct Cli {
     global: Global,
 }
 
-/// What every subcommand understands.
+/// The options of every subcommand.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Global {
     /// Print JSON on standard output instead of tables.
@@ -56,14 +56,14 @@ enum Command {
 }
 
 impl Cli {
-    /// Does what the command line says.
+    /// Executes the command line.
     ///
     /// # Errors
-    /// Whatever goes wrong, to be printed in one line.
+    /// Any error, to be printed in one line.
     pub fn execute(&self) -> anyhow::Result<()> {
         if !matches!(self.command, Some(Command::Study(_))) {
-            // A study keeps what is done, and listens for itself.
-            console::watch()?;
+            // A study keeps finished runs and has a handler of its own.
+            console::handle_interrupts()?;
         }
         match &self.command {
             None => run::run(&run::RunArgs::default(), &self.global),
@@ -91,10 +91,10 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
 
 /// Writes a text and a line break to standard output, in the width of the terminal.
 ///
-/// A reader that has gone away (`loc-sim .. | head -1`) is no failure.
+/// A closed pipe (`loc-sim .. | head -1`) is not an error.
 ///
 /// # Errors
-/// Whatever else the operating system says.
+/// Other errors of the operating system.
 pub fn print(text: &str) -> anyhow::Result<()> {
     let text = console::width().map_or(text.into(), |width| console::narrow(text, width));
     match writeln!(std::io::stdout().lock(), "{text}") {
@@ -103,7 +103,7 @@ pub fn print(text: &str) -> anyhow::Result<()> {
     }
 }
 
-/// An error with its chain of causes in one line. A cause that the line tells already is left out.
+/// An error with its chain of causes in one line; a cause that the line contains already is left out.
 pub fn one_line(error: &anyhow::Error) -> String {
     let mut line = String::new();
     for cause in error.chain() {

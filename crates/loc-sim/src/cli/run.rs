@@ -14,13 +14,13 @@ pub struct RunArgs {
     /// Name of a built-in scenario, or a TOML file; `overview` where left out.
     #[arg(value_name = "NAME|FILE.toml")]
     pub scenario: Option<String>,
-    /// Another seed than the scenario's.
+    /// Seed, in place of the scenario's.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// Print the scenario as TOML instead of running it.
     #[arg(long)]
     pub print_config: bool,
-    /// What to run, and where to write it.
+    /// Methods, settings and output.
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -28,7 +28,7 @@ pub struct RunArgs {
 /// Runs a scenario, writes its folder and prints its table.
 ///
 /// # Errors
-/// What is wrong with the scenario, and what the run reports.
+/// Errors of the scenario and of the run.
 pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     let name = args.scenario.as_deref().unwrap_or(builtin::DEFAULT);
     let is_file = name.ends_with(".toml") || name.contains(std::path::MAIN_SEPARATOR);
@@ -64,8 +64,8 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     }
     let mut progress = Progress::new(&scenario.name, global);
     let methods = (!methods.is_empty()).then_some(methods.as_slice());
-    let mut tell = |share| progress.tell(share);
-    let mut playback = PlaybackRecorder::new(&mut tell);
+    let mut update = |share| progress.update(share);
+    let mut playback = PlaybackRecorder::new(&mut update);
     let (mut recorder, target) = args.output.recorder()?;
     let mut observer = Observers(&mut playback, &mut recorder);
     let mut run = scenario.run_observed(Some(seed), methods, &mut observer)?;
@@ -86,7 +86,7 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     show(&finished, &args.output, global)
 }
 
-/// List the built-in scenarios, or what each of the lectures' IDs is shown by.
+/// List the built-in scenarios, or the scenario that shows each of the lectures' IDs.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ListArgs {
     /// A line for each ID: the scenario that shows it, and the figure to look at.

@@ -1,4 +1,4 @@
-//! `loc-sim sense`: one sensor, simulated and drawn.
+//! `loc-sim sense` simulates one sensor and draws its measurements.
 
 use super::Global;
 use super::console::uninterrupted;
@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use loc_core::Pose2;
 use std::path::{Path, PathBuf};
 
-/// Simulate a sensor in a map and draw what it reads.
+/// Simulate a sensor in a map and draw its measurements.
 #[derive(Debug, Clone, clap::Args)]
 pub struct SenseArgs {
     /// The sensor; `--list` names them.
@@ -48,7 +48,7 @@ pub struct SenseArgs {
 /// Simulates a sensor, writes its folder and prints its figures.
 ///
 /// # Errors
-/// What is wrong with the names, the map, the pose or the settings, and what writing reports.
+/// Errors of the names, the map, the pose or the settings, and of writing.
 pub fn sense(args: &SenseArgs, global: &Global) -> anyhow::Result<()> {
     let Some(sensor) = args.sensor.as_deref().filter(|_| !args.list) else {
         return list(global);

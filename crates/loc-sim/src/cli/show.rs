@@ -1,4 +1,4 @@
-//! What `run` and `replay` do with a finished run: write it, print it.
+//! Writing and printing a finished run, for `run` and `replay`.
 
 use super::Global;
 use super::console::{Unfinished, uninterrupted};
@@ -21,7 +21,7 @@ pub struct OutputArgs {
     /// A setting to change; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub changes: Vec<String>,
-    /// How estimates are carried into the frame of the truth before they are compared.
+    /// How estimates are aligned with the frame of the truth before they are compared.
     #[arg(long, value_enum, default_value_t)]
     pub align: Alignment,
     /// An MCAP file of ROS 2 to write beside the folder: map, scans, frames, poses, particles.
@@ -35,7 +35,7 @@ pub struct OutputArgs {
     pub out: Option<PathBuf>,
 }
 
-/// A run with what is known about it.
+/// A finished run with its names and seed.
 pub(super) struct Finished<'a> {
     pub(super) run: &'a Run,
     pub(super) name: &'a str,
@@ -97,14 +97,14 @@ pub(super) fn show_illustration(
     super::print(&format!("written to {}", folder.display()))
 }
 
-/// The command as it was given.
+/// The command line.
 pub(super) fn command() -> String {
     let arguments = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     format!("loc-sim {arguments}").trim_end().to_owned()
 }
 
 impl OutputArgs {
-    /// Refuses to smooth where there is nothing to.
+    /// Refuses smoothing if none of the methods can be smoothed.
     pub(super) fn check_smoothing(&self, methods: &[Method]) -> anyhow::Result<()> {
         if !self.smooth || methods.iter().any(|method| method.can_smooth()) {
             return Ok(());
@@ -119,7 +119,7 @@ impl OutputArgs {
         )
     }
 
-    /// The recorder of the MCAP file, where one is wanted, and the file that it fills.
+    /// The recorder of the MCAP file and its target, if `--mcap` is given.
     pub(super) fn recorder(&self) -> crate::Result<(Option<McapRecorder>, Option<McapTarget>)> {
         let Some(path) = &self.mcap else { return Ok((None, None)) };
         let target = McapTarget::new(path);
@@ -133,7 +133,7 @@ impl OutputArgs {
     }
 }
 
-/// The MCAP file of a run: until the run is done, it lies beside its place under another name.
+/// The MCAP file of a run: until the run is done, it has a temporary name in the same folder.
 #[derive(Debug)]
 pub(super) struct McapTarget {
     path: PathBuf,
@@ -142,7 +142,7 @@ pub(super) struct McapTarget {
 
 impl McapTarget {
     fn new(path: &Path) -> Self {
-        // What is no file, such as a pipe or a device, is written itself.
+        // A pipe or a device is written directly.
         let is_other = std::fs::metadata(path).is_ok_and(|there| !there.is_file());
         let mut name = path.file_name().unwrap_or_default().to_owned();
         name.push(format!(".{}.part", std::process::id()));
@@ -154,7 +154,7 @@ impl McapTarget {
         self.part.as_ref().map_or(&self.path, Unfinished::path)
     }
 
-    /// Ends the file, which takes its place.
+    /// Completes the file and renames it to its final name.
     pub(super) fn finish(self, recorder: McapRecorder) -> crate::Result<()> {
         recorder.finish()?;
         if let Some(part) = &self.part {

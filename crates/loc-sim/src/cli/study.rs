@@ -1,4 +1,4 @@
-//! `loc-sim study`: a scenario under many settings and seeds.
+//! `loc-sim study` runs a scenario under many settings and seeds.
 
 use super::Global;
 use super::console::Progress;
@@ -31,12 +31,12 @@ pub struct StudyArgs {
     /// end within 0.5 m and 10 degrees of the truth.
     #[arg(long, value_name = "FIGURE<LIMIT")]
     pub success: Option<Success>,
-    /// What to run, and where to write it; out/study-NAME where left out.
+    /// Methods, settings and output; out/study-NAME where left out.
     #[command(flatten)]
     pub output: OutputArgs,
 }
 
-/// A study was interrupted: no failure, but not done either.
+/// A study was interrupted before it was complete; finished runs are kept.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted: {done} of {total} runs are done and kept in {}; the same command goes on", folder.display())]
 pub struct Interrupted {
@@ -48,7 +48,7 @@ pub struct Interrupted {
 /// Runs a study, writes its folder and prints its tables.
 ///
 /// # Errors
-/// What is wrong with the study, and [`Interrupted`].
+/// Errors of the study, and [`Interrupted`].
 pub fn study(args: &StudyArgs, global: &Global) -> anyhow::Result<()> {
     let study = prepare(args)?;
     let name = &study.scenario().name;
@@ -91,7 +91,7 @@ fn prepare(args: &StudyArgs) -> anyhow::Result<Study> {
     Ok(study)
 }
 
-/// Does the runs that are missing.
+/// Executes the missing runs.
 fn execute(study: &Study, folder: &Path, global: &Global) -> anyhow::Result<()> {
     let stop = on_interrupt()?;
     let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
@@ -100,12 +100,12 @@ fn execute(study: &Study, folder: &Path, global: &Global) -> anyhow::Result<()> 
     let mut last = None;
     let finished = study.run(folder, threads, &mut |now| {
         if last.is_none() && now.kept > 0 && !global.quiet {
-            // Where this cannot be written, the bar shows it.
+            // Where this cannot be written, the progress bar shows it.
             let _ =
                 writeln!(std::io::stderr(), "{} of {} runs were done before", now.kept, now.total);
         }
         last = Some(now);
-        progress.tell(now.done as f64 / now.total.max(1) as f64);
+        progress.update(now.done as f64 / now.total.max(1) as f64);
         !stop.load(Ordering::Relaxed)
     });
     progress.finish();

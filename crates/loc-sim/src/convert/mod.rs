@@ -1,4 +1,4 @@
-//! Recordings from one format to another, as far as the target has a place for what they hold.
+//! Conversion of recordings between formats, as far as the target can represent their content.
 //!
 //! | to | from | holds |
 //! |---|---|---|
@@ -7,8 +7,8 @@
 //! | [`to_mcap`] | any recording | odometry, scans, true poses, as messages of ROS 2 |
 //! | [`transcribe`] | a bag | its own messages under their own topics, as an MCAP file of ROS 2 |
 //!
-//! A conversion reads the recording as a stream, and says in [`Converted`] what it wrote and what
-//! it had to leave out.
+//! A conversion reads the recording as a stream, and reports in [`Converted`] what it wrote and
+//! what it left out.
 //!
 //! ```
 //! use loc_sim::convert::to_tum;
@@ -30,7 +30,7 @@ mod transcribe;
 pub use mcap::to_mcap;
 pub use transcribe::transcribe;
 
-use crate::odometry::Driven;
+use crate::source::OdometryIntegrator;
 use crate::source::Source;
 use crate::{Error, Result};
 use loc_core::{Pose2, Trajectory};
@@ -40,17 +40,16 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
-/// What a conversion did.
+/// The result of a conversion.
 #[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize)]
 pub struct Converted {
     /// Number of messages, lines or poses written.
     pub written: u64,
-    /// What the target has no place for, as counted lines for the user.
+    /// What the target cannot represent, as counted lines for the user.
     pub left_out: Vec<String>,
 }
 
-/// Shows every event of a recording to `take`, and the share of its time that has passed to
-/// `progress`.
+/// Passes every event of a recording to `take`, and the share of its time to `progress`.
 fn each(
     source: &mut dyn Source,
     progress: &mut dyn FnMut(f64),
@@ -66,24 +65,27 @@ fn each(
     Ok(())
 }
 
-// A recording as a CARMEN log.
-
 /// Writes odometry (`ODOM`), scans (`ROBOTLASER1`) and true poses (`TRUEPOS`) of a recording.
 ///
-/// Beams that saw nothing, and those that are no ranges at all, are written as the greatest range,
-/// which is how the format says it. `path` is only named in errors.
+/// Beams without a return, and invalid ranges, are written as the maximum range, as the format
+/// demands. `path` is only named in errors.
 ///
 /// # Errors
 /// What the source reports, [`loc_core::Error::Io`], and [`Error::Recording`] for a recording with
-/// nothing that the format has a line for.
+/// without anything that the format can represent.
 pub fn to_carmen(
     source: &mut dyn Source,
     out: impl Write,
     path: &Path,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Converted> {
-    let mut log =
-        Log { out, path, driven: Driven::default(), written: 0, left_out: LeftOut::default() };
+    let mut log = Log {
+        out,
+        path,
+        odometry: OdometryIntegrator::default(),
+        written: 0,
+        left_out: LeftOut::default(),
+    };
     log.line(format_args!("# CARMEN log file, from {}", source.setup().name))?;
     log.written = 0;
     each(source, progress, |event| log.take(event))?;
@@ -101,7 +103,7 @@ pub fn to_carmen(
 struct Log<'a, W> {
     out: W,
     path: &'a Path,
-    driven: Driven,
+    odometry: OdometryIntegrator,
     written: u64,
     left_out: LeftOut,
 }
@@ -117,7 +119,7 @@ impl<W: Write> Log<'_, W> {
         // The last two words are the host, and when the line was logged, counted from the start.
         let end = format!("{stamp} loc-sim {stamp}");
         match &event.payload {
-            Payload::Control(control) => match self.driven.pose(stamp, control) {
+            Payload::Control(control) => match self.odometry.pose(stamp, control) {
                 Some(pose) => self.line(format_args!("ODOM {} 0 0 0 {end}", words(pose))),
                 None => {
                     self.left_out.count("accelerations");
@@ -125,7 +127,7 @@ impl<W: Write> Log<'_, W> {
                 }
             },
             Payload::Measurement(Measurement::Scan { scan, mounting }) => {
-                let robot = self.driven.drive_to(stamp);
+                let robot = self.odometry.integrate_to(stamp);
                 let (head, ranges) = self.scan(scan);
                 let (laser, robot) = (words(robot * *mounting), words(robot));
                 self.line(format_args!(
@@ -137,7 +139,7 @@ impl<W: Write> Log<'_, W> {
                 Ok(())
             }
             Payload::Truth(truth) => {
-                let robot = self.driven.drive_to(stamp);
+                let robot = self.odometry.integrate_to(stamp);
                 self.line(format_args!("TRUEPOS {} {} {end}", words(truth.pose), words(robot)))
             }
         }
@@ -164,9 +166,7 @@ fn words(pose: Pose2) -> String {
     format!("{} {} {}", pose.x, pose.y, pose.theta)
 }
 
-// One track of a recording.
-
-/// Which track of a recording.
+/// A track of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Track {
@@ -176,9 +176,9 @@ pub enum Track {
     Odometry,
 }
 
-/// A track of a recording, the reference where there is one and nothing else is asked for.
+/// Writes a track of a recording; the reference where there is one, unless another is given.
 ///
-/// Velocities are driven along from (0, 0, 0). Of several poses of one time the first is taken.
+/// Velocities are integrated from (0, 0, 0). Of several poses of one time the first is taken.
 ///
 /// # Errors
 /// [`Error::Recording`] for a recording without such a track, and what the source reports.
@@ -190,15 +190,16 @@ pub fn to_tum(
     let preferred = if source.has_truth() { Track::Reference } else { Track::Odometry };
     let track = track.unwrap_or(preferred);
     let (mut poses, mut left_out) = (Trajectory::new(), LeftOut::default());
-    let mut driven = Driven::default();
+    let mut odometry = OdometryIntegrator::default();
     each(source, progress, |event| {
         let pose = match (&event.payload, track) {
             (Payload::Truth(truth), Track::Reference) => truth.pose,
-            (Payload::Control(control), Track::Odometry) => match driven.pose(event.stamp, control)
-            {
-                Some(pose) => pose,
-                None => return Ok(()),
-            },
+            (Payload::Control(control), Track::Odometry) => {
+                match odometry.pose(event.stamp, control) {
+                    Some(pose) => pose,
+                    None => return Ok(()),
+                }
+            }
             _ => return Ok(()),
         };
         match poses.last() {
@@ -227,9 +228,7 @@ pub fn to_tum(
     Ok((poses, Converted { written, left_out }))
 }
 
-// What a target has no place for.
-
-/// Counts by kind.
+/// Counts of what the target cannot represent, by kind.
 #[derive(Debug, Default)]
 struct LeftOut(BTreeMap<String, u64>);
 
@@ -243,7 +242,7 @@ impl LeftOut {
         self.0.into_iter().map(|(what, count)| format!("{count} {what}")).collect()
     }
 
-    /// The same, with what the source has passed over by itself.
+    /// The same, with the notes of the source.
     fn with_notes(self, source: &dyn Source) -> Vec<String> {
         let mut lines = self.lines();
         lines.extend(source.notes());

@@ -1,9 +1,8 @@
-//! Whether a method is as certain as it has a right to be, over many runs.
+//! Whether the covariances of a method are consistent with its errors, over many runs.
 //!
-//! A covariance is a promise about errors. One run cannot show whether it is kept: its errors hang
-//! together, and chance is large. [`Consistency`] takes the runs of one method under many seeds
-//! and holds the errors of its poses (NEES), its innovations (NIS) and their order (whiteness)
-//! against what honest ones would be; the tests are those of [`loc_core::stats::consistency`].
+//! One run cannot show this: its errors are correlated over time. [`Consistency`] takes the runs of
+//! one method under many seeds and compares the errors of its poses (NEES), its innovations (NIS)
+//! and their autocorrelation (whiteness) with those of a consistent filter; the tests are those of [`loc_core::stats::consistency`].
 //!
 //! ```
 //! use loc_sim::localizer::Method;
@@ -29,7 +28,7 @@ use loc_core::{Gaussian, Pose2};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::ops::RangeInclusive;
 
-/// Longest distance in an order of innovations over which they are compared.
+/// Largest lag of the autocorrelation of innovations.
 pub const LAGS: usize = 10;
 
 /// The tests of one method over its runs under many seeds.
@@ -41,19 +40,19 @@ pub struct Consistency {
     whiteness: Whiteness,
 }
 
-/// What the tests say. A figure without a meaning is `None`, null in JSON: a particle filter has
+/// The results of the tests. A figure without a meaning is `None`, null in JSON: a particle filter has
 /// no innovations.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ConsistencyFigures {
-    /// The share of honest cases that bands and intervals hold.
+    /// Confidence level of bands and intervals.
     pub confidence: f64,
     /// Number of runs with a covariance.
     pub runs: u64,
-    /// Mean NEES; for an honest method the number of uncertain coordinates, 3 in the plane.
+    /// Mean NEES; for a consistent method the number of uncertain coordinates, 3 in the plane.
     pub nees_mean: Option<f64>,
-    /// Mean NEES per degree of freedom; 1 for an honest method, more for one too sure of itself.
+    /// Mean NEES per degree of freedom; 1 for a consistent method, more for an overconfident one.
     pub nees_per_degree: Option<f64>,
-    /// Where its expected value lies, by the scatter from run to run.
+    /// Confidence interval of its expected value, from the scatter between runs.
     pub nees_interval: Option<[f64; 2]>,
     /// The chi-square band of the mean at one step, per degree of freedom, at the step that most
     /// runs have.
@@ -64,7 +63,7 @@ pub struct ConsistencyFigures {
     pub measurements: u64,
     /// Their mean NIS.
     pub nis_mean: Option<f64>,
-    /// NIS per degree of freedom; 1 for an honest method.
+    /// NIS per degree of freedom; 1 for a consistent method.
     pub nis_per_degree: Option<f64>,
     /// The band of the latter.
     pub nis_band: Option<[f64; 2]>,
@@ -72,7 +71,7 @@ pub struct ConsistencyFigures {
     pub nis_share_inside: Option<f64>,
     /// Autocorrelation of the innovations at the lags 1, 2, ..
     pub autocorrelation: Vec<Option<f64>>,
-    /// How far from 0 the first of them lies at most.
+    /// Bound of the first of them for white innovations.
     pub whiteness_bound: Option<f64>,
     /// The share of the lags within their bounds.
     pub white_share: Option<f64>,
@@ -100,7 +99,7 @@ impl Consistency {
         self.push_evidence(&RunEvidence::of(run, record, self.confidence, usize::MAX)?)
     }
 
-    /// Adds what was kept of a run.
+    /// Adds the evidence of a run.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for figures that are not finite.
@@ -126,7 +125,7 @@ impl Consistency {
         &self.whiteness
     }
 
-    /// What the tests say.
+    /// The results of the tests.
     pub fn figures(&self) -> ConsistencyFigures {
         let Consistency { confidence, nees, nis, whiteness } = self;
         let fullest = nees.steps().iter().max_by_key(|step| step.degrees_of_freedom);
@@ -153,8 +152,6 @@ impl Consistency {
 fn ends(range: RangeInclusive<f64>) -> [f64; 2] {
     [*range.start(), *range.end()]
 }
-
-// The normalised error of one estimate.
 
 /// A covariance whose determinant is smaller than this share of the product of its variances, is
 /// singular but for rounding.
@@ -196,8 +193,6 @@ fn whole(error: &Vector3<f64>, covariance: &Matrix3<f64>) -> Option<(usize, f64)
 fn determinant_share(covariance: &Matrix3<f64>) -> f64 {
     covariance.determinant() / covariance.diagonal().product()
 }
-
-// What the tests of consistency need of a run: far less than the run.
 
 /// The evidence that one run of one method gives.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -1,9 +1,8 @@
-//! How good a map of landmarks is that a method has drawn.
+//! Errors of a landmark map that a method has built.
 //!
-//! Such a map has a frame of its own, the one that the robot started in. So it is first carried
-//! onto the true one by the rigid motion that brings the pairs closest; what remains is the error
-//! of the map itself. Where the landmarks have no numbers, a landmark of the map is paired with the
-//! true one next to it.
+//! Such a map has its own frame, the one of the start pose. It is first aligned with the true map by
+//! the rigid transform that minimizes the distances of the pairs; the rest is the error of the map
+//! itself. With unknown data association, a landmark of the map is paired with the nearest true one.
 
 use super::{Alignment, Pair, transform};
 use crate::Result;
@@ -18,26 +17,26 @@ use serde::Serialize;
 pub struct LandmarkErrors {
     /// Landmarks of the method's map.
     pub mapped: usize,
-    /// True landmarks that have one of these; null without a true map.
+    /// True landmarks that are paired with one of these; null without a true map.
     pub found: Option<usize>,
-    /// Landmarks of the map that are none, or that are there twice.
+    /// Landmarks of the map without a true one: false or duplicate.
     pub extra: Option<usize>,
     /// Root mean square distance of the found ones from the true ones after a rigid alignment;
     /// null for fewer than two.
     pub rmse_m: Option<f64>,
-    /// Root mean square distance of the path from the true one, both in the same map: carried by
-    /// the motion that brings the landmarks closest. What is left is the error of the robot among
-    /// its landmarks; where the frame of its map lies, nobody told it.
+    /// Root mean square distance of the path from the true one, both in the same map: aligned by
+    /// the landmarks. This is the error of the robot relative to its landmarks; the pose of its map's
+    /// frame is unknown to it.
     pub path_rmse_m: Option<f64>,
 }
 
-/// Farther than this from every true landmark, a landmark of the map is none of them \[m\].
+/// Largest distance of a pair of landmarks \[m\].
 const FARTHEST: f64 = 1.0;
 
 /// Rounds of pairing and aligning of a map without numbers.
 const ROUNDS: usize = 10;
 
-/// The figures of the map that a method has drawn; `None` for a method that draws none.
+/// The figures of the map that a method has built; `None` for a method that builds none.
 ///
 /// # Errors
 /// Those of [`transform`].
@@ -72,7 +71,7 @@ pub fn landmark_errors(run: &Run, record: &MethodRecord) -> Result<Option<Landma
     }))
 }
 
-/// Squared distances of the path from the true one, after a motion.
+/// Squared distances of the path from the true one, after a transform.
 fn path_errors(run: &Run, record: &MethodRecord, to: Pose2) -> impl Iterator<Item = f64> {
     let pairs = record.estimates.iter().zip(&run.truth);
     pairs.map(move |(own, truth)| (to * own.pose).distance(truth.value.pose).powi(2))
@@ -129,8 +128,8 @@ fn nearest(places: &Places, truth: &Places, carried: Pose2) -> Pairs {
     pairs
 }
 
-/// The motion that carries the first of each pair closest to the second; `None` for fewer than two
-/// pairs, and for landmarks that all lie at one place.
+/// The transform from the first to the second of each pair, by least squares; `None` for fewer than
+/// two pairs, and for landmarks at one position.
 fn rigid(pairs: &[(Point2<f64>, Point2<f64>)]) -> Result<Option<Pose2>> {
     let pose = |point: &Point2<f64>| Pose2::new(point.x, point.y, 0.0);
     let pairs: Vec<Pair<Pose2>> = pairs.iter().map(|(a, b)| Pair::new(pose(a), pose(b))).collect();
@@ -140,7 +139,7 @@ fn rigid(pairs: &[(Point2<f64>, Point2<f64>)]) -> Result<Option<Pose2>> {
     }
 }
 
-/// The motion that carries the method's path onto the true one, for a first guess.
+/// The transform that aligns the method's path with the true one, as first guess.
 fn path_alignment(run: &Run, record: &MethodRecord) -> Result<Pose2> {
     let pairs = record.estimates.iter().zip(&run.truth);
     let pairs: Vec<Pair<Pose2>> =
@@ -152,7 +151,7 @@ fn path_alignment(run: &Run, record: &MethodRecord) -> Result<Pose2> {
 }
 
 impl EstimatedMap {
-    /// How many landmarks are no longer provisional.
+    /// Number of landmarks that are not provisional.
     pub fn confirmed(&self) -> usize {
         self.landmarks.iter().filter(|landmark| landmark.confirmed).count()
     }

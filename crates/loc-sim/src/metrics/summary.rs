@@ -52,7 +52,7 @@ pub struct MethodSummary {
     /// Errors of the map that the method has built; null for one that builds none.
     pub landmarks: Option<LandmarkErrors>,
     /// The share of the beams of the last scan with a return that end within 12 cm of a wall at
-    /// the pose estimated there, see [`BeamFit`](super::BeamFit); null without a laser or a map.
+    /// the pose estimated there, see [`BeamFit`]; null without a laser or a map.
     pub beam_fit_at_end: Option<f64>,
     /// Time to convergence of a method that started without a pose, see [`found`]; null for one
     /// that was given the pose, or that never converged.

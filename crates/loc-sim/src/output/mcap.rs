@@ -6,8 +6,8 @@
 
 use crate::Result;
 use crate::localizer::{Estimate, Localizer};
-use crate::odometry::Driven;
 use crate::runner::Observer;
+use crate::source::OdometryIntegrator;
 use crate::source::Setup;
 use crate::source::ros::McapWriter;
 use crate::source::ros::messages::{
@@ -29,7 +29,7 @@ const LASER: &str = "laser";
 pub struct McapRecorder {
     writer: McapWriter,
     methods: Vec<String>,
-    driven: Driven,
+    driven: OdometryIntegrator,
     mounting: Option<Pose2>,
     truth: Path,
     /// True poses that were written; the path is written again when it has grown by half.
@@ -45,7 +45,7 @@ impl McapRecorder {
         Ok(McapRecorder {
             writer: McapWriter::create(path)?,
             methods: Vec::new(),
-            driven: Driven::default(),
+            driven: OdometryIntegrator::default(),
             mounting: None,
             truth: Path { header: Header::new(Stamp::default(), MAP), poses: Vec::new() },
             written: 0,
@@ -182,7 +182,7 @@ impl Observer for McapRecorder {
 
     fn estimated(&mut self, stamp: f64, localizers: &[&dyn Localizer]) -> Result<()> {
         let at = Stamp::from_seconds(stamp);
-        self.driven.drive_to(stamp);
+        self.driven.integrate_to(stamp);
         let clouds: Vec<_> = localizers.iter().map(|localizer| localizer.cloud()).collect();
         let primary = clouds.iter().position(Option::is_some);
         let primary = primary.unwrap_or(localizers.len().saturating_sub(1));

@@ -1,4 +1,4 @@
-//! What the filters are told, in the units of configuration files.
+//! The settings of the methods in a scenario, in the units of configuration files.
 
 use crate::Result;
 use crate::localizer::MethodSettings;
@@ -103,8 +103,6 @@ impl FilterConfig {
     }
 }
 
-// Settings of `mcl` among landmarks, in the units of configuration files.
-
 /// What `mcl` is told beside the noise of odometry and camera. What is left out has the default.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -144,8 +142,6 @@ impl LandmarkMclConfig {
         Ok(settings)
     }
 }
-
-// Settings of `fastslam`, in the units of configuration files.
 
 /// What `fastslam` is told beside the noise of odometry and camera, and beside what `[filter.slam]`
 /// says of identities and the size of the map. What is left out has the default.
@@ -190,8 +186,6 @@ impl FastSlamConfig {
         Ok(settings)
     }
 }
-
-// Settings of `ekf-slam`, in the units of configuration files.
 
 /// What `ekf-slam` is told beside the noise of odometry and camera. What is left out has the
 /// default.
@@ -254,8 +248,6 @@ impl SlamConfig {
     }
 }
 
-// Settings of `fusion`, in the units of configuration files.
-
 /// What `fusion` is told beside the noise of odometry, ranges and simulated sensors. What is left
 /// out has the default.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
@@ -287,8 +279,6 @@ impl FusionConfig {
         Ok(settings)
     }
 }
-
-// Settings of `lateration`, in the units of configuration files.
 
 /// What `lateration` is told beside the noise of odometry and ranges. What is left out has the
 /// default.
@@ -327,8 +317,6 @@ impl LaterationConfig {
         Ok(settings)
     }
 }
-
-// A sensor alone, as a scenario.
 
 /// A sensor in a world; see [`crate::sense`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]

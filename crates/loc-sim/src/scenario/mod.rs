@@ -36,6 +36,7 @@ use crate::{Error, Result, config, runner};
 use loc_filters::landmark::LandmarkSettings;
 use serde::Deserialize;
 use std::path::Path;
+use toml::Table;
 
 /// A scenario, as its TOML file says.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -65,7 +66,7 @@ pub struct Scenario {
     pub probability_map: Option<ProbabilityMapConfig>,
     /// What a method does inside; no method runs on it.
     pub demonstration: Option<DemonstrationConfig>,
-    /// A sensor that looks once, or along a drive; no method runs on it.
+    /// A sensor that measures once, or along a drive; no method runs on it.
     pub sensor: Option<SensorConfig>,
     /// Settings of the methods; what is left out follows the simulated sensors.
     pub filter: Option<FilterConfig>,
@@ -126,7 +127,7 @@ impl Scenario {
         if changes.is_empty() {
             return Ok(Vec::new());
         }
-        Ok(recording::expand(&config::table(file, text, &[])?, changes))
+        Ok(expand(&config::table(file, text, &[])?, changes))
     }
 
     fn check(&self) -> Result<()> {
@@ -208,7 +209,7 @@ impl Scenario {
         config::field(&self.name, "a scenario with a robot that moves", found)
     }
 
-    /// What the methods are told.
+    /// The settings of the methods.
     ///
     /// # Errors
     /// Settings out of range.
@@ -252,7 +253,7 @@ impl Scenario {
         })
     }
 
-    /// Runs the scenario, with another seed or other methods where given. `progress` is told the
+    /// Runs the scenario, with another seed or other methods where given. `progress` gets the
     /// share that is done.
     ///
     /// # Errors
@@ -267,7 +268,7 @@ impl Scenario {
         self.run_observed(seed, methods, &mut ProgressObserver(progress))
     }
 
-    /// The same with somebody looking on.
+    /// The same with an observer.
     ///
     /// # Errors
     /// As [`run`](Scenario::run).
@@ -289,5 +290,61 @@ impl Scenario {
         }
         let settings = MethodSettings { seed, ..self.settings()? };
         runner::run_observed(source.as_mut(), &methods, &settings, observer)
+    }
+}
+
+/// Sections of what is simulated, one of them per scenario.
+const KINDS: [&str; 7] =
+    ["drive", "rail", "tour", "outdoor", "probability_map", "demonstration", "sensor"];
+
+/// The other sections and keys of a scenario.
+const OTHERS: [&str; 8] =
+    ["name", "title", "ids", "seed", "methods", "filter", "compare", "also_in_frame"];
+
+/// Short names, with the keys that they stand for.
+pub(crate) const NAMES: [(&str, &[&str]); 4] = [
+    (
+        "filter.particles",
+        &[
+            "filter.mcl.particles.min_particles",
+            "filter.mcl.particles.max_particles",
+            "filter.landmark_mcl.particles",
+        ],
+    ),
+    ("laser.sigma", &["laser.sigma_m"]),
+    ("camera.range_sigma", &["camera.noise.range_sigma_m"]),
+    ("camera.bearing_sigma", &["camera.noise.bearing_sigma_deg"]),
+];
+
+/// Expands short names of settings in changes of the command line.
+///
+/// The section of what is simulated may be left out: `laser.every_s=0.1` stands for
+/// `tour.laser.every_s=0.1` in a scenario with a tour. A few settings have names of their own, see
+/// [`NAMES`].
+fn expand(config: &Table, changes: &[String]) -> Vec<String> {
+    let kind = KINDS.into_iter().find(|kind| config.contains_key(*kind));
+    let mut full = Vec::with_capacity(changes.len());
+    for change in changes {
+        let Some((key, value)) = change.split_once('=') else {
+            full.push(change.clone());
+            continue;
+        };
+        let key = key.trim();
+        let names = NAMES.iter().find(|(name, _)| *name == key);
+        let one = [key];
+        for key in names.map_or(one.as_slice(), |(_, keys)| *keys) {
+            full.push(format!("{}={value}", within(kind, config, key)));
+        }
+    }
+    full
+}
+
+/// A key with the section of the scenario in front, where it is left out.
+fn within(kind: Option<&str>, config: &Table, key: &str) -> String {
+    let first = key.split('.').next().unwrap_or_default();
+    let known = KINDS.contains(&first) || OTHERS.contains(&first) || config.contains_key(first);
+    match kind {
+        Some(kind) if !known && key.contains('.') => format!("{kind}.{key}"),
+        _ => key.to_owned(),
     }
 }

@@ -1,7 +1,7 @@
 //! CARMEN logs: one message a line, of odometry and laser scans.
 //!
-//! Read are `ODOM`, `FLASER`, `ROBOTLASER1`, `TRUEPOS` and the `PARAM`s that say how a laser sees;
-//! everything else is counted and passed over. A log may be gzipped. Lengths are metres, angles
+//! `ODOM`, `FLASER`, `ROBOTLASER1`, `TRUEPOS` and the `PARAM`s of the front laser are read;
+//! everything else is counted and skipped. A log may be gzipped. Lengths are metres, angles
 //! radians, stamps those of the robot (`ipc_timestamp`).
 //!
 //! ```
@@ -60,12 +60,12 @@ impl CarmenLog {
         CarmenLog { lines, parameters: LaserParameters::default(), skipped: 0 }
     }
 
-    /// How many messages of other kinds were passed over so far.
+    /// Number of messages of other kinds skipped so far.
     pub fn skipped(&self) -> usize {
         self.skipped
     }
 
-    /// Where a `PARAM` read so far says that the front laser sits on the robot.
+    /// The front laser's pose on the robot, if a `PARAM` read so far has it.
     pub fn laser_offset(&self) -> Option<Pose2> {
         self.parameters.offset.map(|ahead| Pose2::new(ahead, 0.0, 0.0))
     }
@@ -77,7 +77,7 @@ impl CarmenLog {
     /// The scans of the whole log.
     ///
     /// # Errors
-    /// What is wrong with the log, and where.
+    /// An error in the log, with its place.
     pub fn lasers(self) -> Result<Vec<CarmenLaser>> {
         let scans = self.filter_map(|message| match message {
             Ok(Message::Laser(laser)) => Some(Ok(laser)),
@@ -87,7 +87,7 @@ impl CarmenLog {
         scans.collect()
     }
 
-    /// What the line read last says.
+    /// The message of the line read last.
     fn message(&mut self) -> Result<Option<Message>> {
         let mut words = self.lines.words();
         let Ok(kind) = words.word("message") else { return Ok(None) };
@@ -118,12 +118,12 @@ impl CarmenLog {
 
     /// The whole log, to be replayed.
     ///
-    /// A laser that keeps its place on the robot is mounted there. Where the laser's pose differs
-    /// from the odometry in any other way, the log was corrected, and the laser's pose is the
-    /// reference. `TRUEPOS` messages go before it.
+    /// A laser pose with a constant offset to the odometry gives the mounting. If the offset is not
+    /// constant, the log was corrected, and the laser's pose is the reference. `TRUEPOS` messages
+    /// take precedence.
     ///
     /// # Errors
-    /// What is wrong with the log, and where.
+    /// An error in the log, with its place.
     pub fn laser_log(mut self) -> Result<LaserLog> {
         let messages: Vec<Message> = self.by_ref().collect::<Result<_>>()?;
         let lasers = || {
@@ -189,8 +189,6 @@ impl Iterator for CarmenLog {
     }
 }
 
-// Scans in a CARMEN log.
-
 /// A scan with the poses that the log gives for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CarmenLaser {
@@ -204,16 +202,16 @@ pub struct CarmenLaser {
     pub robot: Pose2,
 }
 
-/// What the log's `PARAM` lines say about the front laser.
+/// Parameters of the front laser in the log's `PARAM` lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct LaserParameters {
     /// Opening angle \[rad\].
     fov: Option<f64>,
-    /// From one beam to the next \[rad\].
+    /// Angle between two beams \[rad\].
     resolution: Option<f64>,
-    /// Readings from here on saw nothing \[m\].
+    /// Ranges from here on count as no return \[m\].
     max_range: f64,
-    /// How far ahead of the robot's centre it sits \[m\].
+    /// Distance ahead of the robot's centre \[m\].
     offset: Option<f64>,
 }
 
@@ -291,13 +289,13 @@ fn scan(
     Ok(scan)
 }
 
-/// Laser poses closer than this to what the mounting says are where it says \[m, rad\].
+/// Tolerance of a laser pose against the mounting \[m, rad\].
 const ROUNDING: f64 = 1e-3;
 
-/// How much a robot must turn to tell the place of its laser from a correction \[rad\].
+/// Smallest turn of the robot that distinguishes a mounting from a correction \[rad\].
 const MIN_TURN: f64 = 0.1;
 
-/// Where the laser sits, if its pose follows from the odometry all along.
+/// The mounting of the laser, if its offset to the odometry is constant over the log.
 fn mounting<'a>(lasers: impl Iterator<Item = &'a CarmenLaser> + Clone) -> Option<Pose2> {
     let place = |laser: &CarmenLaser| laser.robot.between(laser.laser);
     let first = lasers.clone().next()?;

@@ -1,6 +1,7 @@
-//! Where events come from: simulated robots and recordings.
+//! Sources of events: simulated robots and recordings.
 //!
-//! A new log format is one file here that implements [`Source`].
+//! Every source implements [`Source`]: it yields [`Event`]s in order of arrival. A new log format is
+//! one file here; a log with a laser only fills a [`laser_log::LaserLog`].
 
 mod calibrated;
 pub mod carmen;
@@ -29,10 +30,10 @@ pub use ros::RosRecording;
 pub use tour::SimulatedTour;
 
 use crate::Result;
-use loc_core::Gaussian;
 use loc_core::motion::VelocityNoise;
+use loc_core::{Gaussian, Pose2, Twist2};
 use loc_maps::{LandmarkMap, LineMap, OccupancyGrid};
-use loc_sensors::event::Event;
+use loc_sensors::event::{Control, Event};
 use loc_sensors::landmark_camera::LandmarkNoise;
 use serde::Deserialize;
 use std::cmp::Ordering;
@@ -48,29 +49,28 @@ pub struct Setup {
     pub start: f64,
     /// When it ends, as far as is known \[s\].
     pub end: f64,
-    /// The belief about the pose at the start.
+    /// Initial pose distribution.
     pub start_belief: Gaussian<3>,
-    /// The belief about position and speed of a vehicle on a rail.
+    /// Initial distribution of position and speed of a vehicle on a rail.
     pub rail: Option<Gaussian<2>>,
     /// Landmarks at known positions; empty where there are none.
     pub landmarks: Arc<LandmarkMap>,
     /// The map of the surroundings, where there is one.
     pub map: Option<Arc<OccupancyGrid>>,
-    /// The walls as lines, where somebody has drawn them.
+    /// The walls as lines, where such a map exists.
     pub lines: Option<Arc<LineMap>>,
     /// Whether a laser reports scans.
     pub has_laser: bool,
-    /// When the robot is carried to another place without being told \[s\]: from then on it is
-    /// there.
+    /// When the robot is kidnapped \[s\]: from then on it is at another pose.
     pub kidnapped_at: Option<f64>,
 }
 
 /// The true errors of a simulated robot's sensors, for figures.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SensorTruth {
-    /// When sensors were silent.
+    /// Outages of sensors.
     pub silences: Vec<Silence>,
-    /// The errors that last.
+    /// The systematic errors.
     pub errors: Vec<TrueError>,
 }
 
@@ -94,16 +94,16 @@ pub struct TrueError {
     pub values: Vec<(f64, f64)>,
 }
 
-/// How the odometry of a recording lies in time.
+/// Time offset of a recording's odometry against its scans.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct OdometryTiming {
-    /// What was added to its stamps \[s\]; negative for an odometry that comes late.
+    /// Offset added to its stamps \[s\]; negative for a delayed odometry.
     pub delay_s: f64,
-    /// What the scans say about it \[s\], null where they were not asked or did not tell.
+    /// Estimate from the scans \[s\]; null where none was made or possible.
     pub estimated_s: Option<f64>,
-    /// Standard deviation of that \[s\].
+    /// Standard deviation of the estimate \[s\].
     pub sigma_s: Option<f64>,
-    /// Pairs of scans that it comes from.
+    /// Number of pairs of scans used.
     pub pairs: usize,
 }
 
@@ -116,15 +116,15 @@ pub trait Source {
     /// The next event, `None` at the end.
     ///
     /// # Errors
-    /// What is wrong with the recording, and where.
+    /// An error in the recording, with its place.
     fn next_event(&mut self) -> Result<Option<Event>>;
 
-    /// What was passed over, as counted lines for the user: `3 observations of unknown barcodes`.
+    /// What was skipped, as counted lines for the user: `3 observations of unknown barcodes`.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// The true errors of the sensors so far, of a simulated robot that keeps them.
+    /// The true errors of the sensors so far, of a simulated robot that records them.
     fn sensor_truth(&self) -> SensorTruth {
         SensorTruth::default()
     }
@@ -134,8 +134,7 @@ pub trait Source {
         true
     }
 
-    /// How the stamps of the odometry were moved against those of the scans, where a recording can
-    /// say so.
+    /// The time offset of the odometry against the scans, where a recording has one.
     fn odometry_timing(&self) -> Option<OdometryTiming> {
         None
     }
@@ -194,6 +193,47 @@ impl PartialEq for Queued {
 }
 
 impl Eq for Queued {}
+
+/// The pose of an odometry that reports poses or velocities; velocities are integrated from the
+/// origin.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct OdometryIntegrator {
+    pose: Pose2,
+    velocity: Option<(f64, Twist2)>,
+}
+
+impl OdometryIntegrator {
+    /// The last pose.
+    pub(crate) fn last(&self) -> Pose2 {
+        self.pose
+    }
+
+    /// The pose at the time of a control; `None` for a control that is no motion in the plane.
+    pub(crate) fn pose(&mut self, stamp: f64, control: &Control) -> Option<Pose2> {
+        match control {
+            Control::Odometry(pose) => {
+                self.velocity = None;
+                self.pose = *pose;
+            }
+            Control::Velocity(twist) => {
+                self.integrate_to(stamp);
+                self.velocity = Some((stamp, *twist));
+            }
+            Control::Acceleration(_) => return None,
+        }
+        Some(self.pose)
+    }
+
+    /// Integrates the last velocity up to a time \[s\].
+    pub(crate) fn integrate_to(&mut self, stamp: f64) -> Pose2 {
+        if let Some((since, twist)) = &mut self.velocity {
+            let step = twist.to_vector() * (stamp - *since).max(0.0);
+            self.pose = self.pose * Pose2::exp(&step);
+            *since = stamp;
+        }
+        self.pose
+    }
+}
 
 /// The error model of odometry (E7), as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]

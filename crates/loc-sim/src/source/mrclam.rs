@@ -3,8 +3,8 @@
 //! A folder holds `Barcodes.dat` (subject, barcode), `Landmark_Groundtruth.dat` (subject, x, y and
 //! their deviations) and for each robot k `Robotk_Odometry.dat` (t, v, omega),
 //! `Robotk_Measurement.dat` (t, barcode, range, bearing) and `Robotk_Groundtruth.dat` (t, x, y,
-//! theta). Subjects 1 to 5 are the robots themselves; an observation of one says nothing about a
-//! place and is passed over, as is a barcode that nobody wears.
+//! theta). Subjects 1 to 5 are the robots themselves; observations of
+//! them and of unknown barcodes are skipped.
 
 use super::{Setup, Source};
 use crate::{Error, Result};
@@ -17,7 +17,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Longest gap of the truth that is bridged for the start pose \[s\].
+/// Longest gap of the truth that is interpolated for the start pose \[s\].
 const LONGEST_GAP: f64 = 0.5;
 
 /// Highest subject number that is a robot.
@@ -239,7 +239,7 @@ fn not_empty(empty: bool, file: &Path, what: &'static str) -> Result<()> {
     Ok(())
 }
 
-/// The first moment at which both odometry and truth run, with the true pose.
+/// The first time that both odometry and truth cover, with the true pose.
 fn common_start(folder: &Path, odometry: &[Event], truth: &Trajectory) -> Result<(f64, Pose2)> {
     let candidates = odometry.iter().map(|event| event.stamp);
     let first_truth = truth.first().map_or(f64::INFINITY, |pose| pose.stamp);

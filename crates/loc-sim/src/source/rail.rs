@@ -70,7 +70,7 @@ impl SimulatedRail {
         self.report();
     }
 
-    /// The control that holds from now on, what the sensors read, and the truth.
+    /// The next control, the measurements, and the truth.
     fn report(&mut self) {
         let stamp = self.step as f64 * self.config.time_step_s;
         let control = Control::Acceleration(self.config.acceleration_m_s2);
@@ -79,7 +79,7 @@ impl SimulatedRail {
             let noise: f64 = StandardNormal.sample(&mut self.sensors);
             let simulated = self.state.x + config.sigma_m * noise;
             let position = match &config.readings {
-                // The belief at the start stands for what was known before the first step.
+                // The initial distribution is the belief before the first step.
                 None => (self.step > 0).then_some(simulated),
                 Some(given) => given.iter().find(|(step, _)| *step == self.step).map(|(_, z)| *z),
             };
@@ -107,14 +107,12 @@ impl Source for SimulatedRail {
     }
 }
 
-/// The rail lies along x: the belief about the position there, certainty about the rest.
+/// The pose distribution: the rail is the x axis, the other coordinates are certain.
 fn along_the_rail(belief: &Gaussian<2>) -> Gaussian<3> {
     let mut pose = Gaussian::certain(Vector3::new(belief.mean.x, 0.0, 0.0));
     pose.covariance[(0, 0)] = belief.covariance[(0, 0)];
     pose
 }
-
-// The configuration of a simulated vehicle on a rail (G3, G4).
 
 /// A vehicle that accelerates along a straight line; its state is (position, speed).
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -201,7 +199,7 @@ impl RailConfig {
         Ok(Gaussian::new(mean, Matrix2::from_diagonal(&variances))?)
     }
 
-    /// What the filter is told.
+    /// The settings of the filter.
     pub(crate) fn settings(&self) -> RailSettings {
         RailSettings {
             acceleration_sigma: self.acceleration_sigma_m_s2,

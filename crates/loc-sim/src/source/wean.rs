@@ -58,7 +58,7 @@ impl WeanLog {
     /// The whole log, to be replayed.
     ///
     /// # Errors
-    /// What is wrong with the log, and where.
+    /// An error in the log, with its place.
     pub fn laser_log(mut self) -> Result<LaserLog> {
         let mut entries = Vec::new();
         while self.lines.advance()? {

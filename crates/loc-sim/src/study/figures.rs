@@ -39,14 +39,14 @@ fn by_setting(study: &Study, results: &Results, k: usize) -> Vec<StudyFigure> {
     let mut figures = vec![named(
         "accuracy",
         "Successes, error and time over the values of a setting, with 95 % ranges",
-        &format!("How {} fares with {short}", results.scenario),
+        &format!("Accuracy in {} over {short}", results.scenario),
         accuracy(&lines),
     )];
     if results.groups.iter().any(|group| group.consistency.nees_mean.is_some()) {
         figures.push(named(
             "consistency",
-            "Whether covariances are honest over the values of a setting",
-            &format!("Whether covariances are honest, over {short}"),
+            "Consistency of the covariances over the values of a setting",
+            &format!("Consistency of the covariances over {short}"),
             consistency(&lines),
         ));
     }
@@ -54,7 +54,7 @@ fn by_setting(study: &Study, results: &Results, k: usize) -> Vec<StudyFigure> {
 }
 
 fn subtitle(study: &Study, results: &Results, k: usize, pooled: bool) -> String {
-    let mut text = format!("{} seeds each, bands hold the truth at 95 %", results.seeds);
+    let mut text = format!("{} seeds each, 95 % confidence bands", results.seeds);
     if pooled {
         let axes = study.grid().axes().iter().enumerate().filter(|(j, _)| *j != k);
         let others: Vec<&str> = axes.map(|(_, axis)| axis.short_name()).collect();
@@ -85,12 +85,12 @@ fn accuracy(lines: &[GroupLine<'_>]) -> Vec<Chart> {
 }
 
 fn consistency(lines: &[GroupLine<'_>]) -> Vec<Chart> {
-    let nees = Chart::new("NEES per degree").reference(1.0, "honest");
-    let share = Chart::new("steps in band [%]").reference(95.0, "honest");
-    let band = honest_nis(lines);
-    let mut nis = Chart::new("NIS per degree").reference(1.0, "honest");
+    let nees = Chart::new("NEES per degree").reference(1.0, "consistent");
+    let share = Chart::new("steps in band [%]").reference(95.0, "consistent");
+    let band = nis_band(lines);
+    let mut nis = Chart::new("NIS per degree").reference(1.0, "consistent");
     if !band.is_empty() {
-        nis = nis.band(Role::Reference, "honest, 95 %", band);
+        nis = nis.band(Role::Reference, "consistent, 95 %", band);
     }
     vec![
         drawn(nees, lines, |groups| {
@@ -107,7 +107,7 @@ fn consistency(lines: &[GroupLine<'_>]) -> Vec<Chart> {
 }
 
 /// The band of the first line with one: all have about as many measurements.
-fn honest_nis(lines: &[GroupLine<'_>]) -> Vec<(f64, f64, f64)> {
+fn nis_band(lines: &[GroupLine<'_>]) -> Vec<(f64, f64, f64)> {
     let bands = lines.iter().map(|line| {
         let points = line.points.iter().filter_map(|(x, groups)| match groups.as_slice() {
             [only] => only.consistency.nis_band.map(|[low, high]| (*x, low, high)),
@@ -307,9 +307,12 @@ fn nees(results: &Results) -> Option<StudyFigure> {
         chart = chart.line(Role::Method(k), &group.method, line);
     }
     let any = !band.is_empty();
-    chart = chart.band(Role::Reference, "honest, 95 %", band).reference(1.0, "");
-    let figure = Figure::new(format!("Whether the covariances of {} are honest", results.scenario))
-        .subtitle(format!("{} seeds; above the band is too sure, below too timid", results.seeds))
+    chart = chart.band(Role::Reference, "consistent, 95 %", band).reference(1.0, "");
+    let figure = Figure::new(format!("Consistency of the covariances in {}", results.scenario))
+        .subtitle(format!(
+            "{} seeds; above the band is overconfident, below underconfident",
+            results.seeds
+        ))
         .x_label("time [s]");
     any.then(|| StudyFigure {
         file: "nees.svg".into(),
@@ -338,8 +341,8 @@ fn whiteness(results: &Results) -> Option<StudyFigure> {
     let lags = crate::metrics::consistency::LAGS as f64;
     let band = [0.5, lags + 0.5].map(|lag| (lag, -bound, bound));
     chart = chart.band(Role::Reference, "white, 95 %", band);
-    let figure = Figure::new(format!("Whether the innovations of {} are white", results.scenario))
-        .subtitle("what was expected wrongly should say nothing about what comes after")
+    let figure = Figure::new(format!("Whiteness of the innovations in {}", results.scenario))
+        .subtitle("innovations of a consistent filter are uncorrelated over time")
         .x_label("measurements later");
     Some(StudyFigure {
         file: "whiteness.svg".into(),

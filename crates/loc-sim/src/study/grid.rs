@@ -125,8 +125,6 @@ impl Grid {
     }
 }
 
-// One setting that is varied, with its values.
-
 /// The most values of a range.
 const MAX: usize = 1_000_000;
 

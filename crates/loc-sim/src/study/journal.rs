@@ -1,9 +1,9 @@
-//! The file that a study keeps its finished runs in, so that an interruption loses none of them.
+//! The journal of a study: the file of its finished runs, so that an interruption loses none.
 //!
-//! The first line says which study it is, each further line is one finished run, as JSON. Lines are
-//! only ever added, each in one write. Whatever ends the program (a signal, a full disk, the power)
-//! can at most leave the last line torn, which the next start takes off; a line that is torn
-//! anywhere else is an error. A lock keeps a second study out of the file.
+//! The first line identifies the study, each further line is one finished run, as JSON. Lines are
+//! only appended, each in one write. If the program ends at any time (a signal, a full disk, power
+//! loss), at most the last line is incomplete, and the next start removes it; an incomplete line
+//! anywhere else is an error. A lock excludes a second study from the file.
 
 use super::{Grid, Job, RunOutcome};
 use crate::{Error, Result};
@@ -22,7 +22,7 @@ const HEAD: &[u8] = b"{\"journal\":";
 /// How often a lock is tried again.
 const PATIENCE: u32 = 15;
 
-/// How often the operating system is asked to bring the file to the disk, against a loss of power.
+/// Period of flushing the file to the disk, against power loss.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
 
 /// What a study is: everything that its runs depend on, but for the seed.
@@ -147,7 +147,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Brings everything to the disk.
+    /// Flushes everything to the disk.
     ///
     /// # Errors
     /// [`loc_core::Error::Io`].
@@ -156,12 +156,12 @@ impl Journal {
         Ok(self.file.sync_data().map_err(loc_core::Error::io(&self.path))?)
     }
 
-    /// Where it lies.
+    /// The path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// How many of the grid's runs it holds.
+    /// Number of the grid's runs in it.
     pub fn kept(&self) -> usize {
         self.kept
     }
@@ -171,7 +171,7 @@ impl Journal {
         self.places.get(index).is_some_and(Option::is_some)
     }
 
-    /// Reads the grid's runs in the order of the grid, those that there are.
+    /// Reads the available runs in the order of the grid.
     ///
     /// # Errors
     /// [`loc_core::Error::Io`], [`Error::Recording`] for a line that has changed meanwhile, and
@@ -194,24 +194,24 @@ impl Journal {
     }
 }
 
-/// Keeps others out, as long as the file is open.
+/// Locks the file against other processes, as long as it is open.
 ///
 /// A process that is being started holds a copy of every open file for a moment, with its lock;
-/// hence the patience.
+/// hence the retries.
 fn lock(file: &File) -> Result<(), TryLockError> {
     let mut left = PATIENCE;
     loop {
         match file.try_lock() {
             Err(TryLockError::WouldBlock) if left > 0 => left -= 1,
             Err(TryLockError::WouldBlock) => return Err(TryLockError::WouldBlock),
-            // Some file systems know no locks; that is no reason to refuse them.
+            // Some file systems have no locks; they are accepted.
             Ok(()) | Err(TryLockError::Error(_)) => return Ok(()),
         }
         std::thread::sleep(Duration::from_millis(20));
     }
 }
 
-/// Notes where a run's line begins, unless it is known already; how many runs that adds.
+/// Records where a run's line begins, unless it is known already; returns the number of new runs.
 fn keep(places: &mut [Option<u64>], grid: &Grid, outcome: &RunOutcome, place: u64) -> usize {
     let job: Job = outcome.job();
     match grid.index(job).and_then(|index| places.get_mut(index)) {
@@ -219,7 +219,7 @@ fn keep(places: &mut [Option<u64>], grid: &Grid, outcome: &RunOutcome, place: u6
             *known = Some(place);
             1
         }
-        // A run of more seeds than are asked for now.
+        // A run with a seed outside of the present range.
         _ => 0,
     }
 }
@@ -235,7 +235,7 @@ fn is_end(reader: &mut impl Read) -> bool {
     matches!(reader.read(&mut [0]), Ok(0))
 }
 
-/// Holds the first line against the study that is to go on.
+/// Compares the first line with the study that continues.
 fn check(path: &Path, line: &[u8], ours: &Fingerprint) -> Result<()> {
     let theirs: Fingerprint = serde_json::from_slice(line).map_err(|_| no_journal(path))?;
     match ours.difference(&theirs) {
@@ -259,7 +259,7 @@ fn damaged(path: &Path, number: usize, error: &serde_json::Error) -> Error {
 }
 
 impl Fingerprint {
-    /// What another study has that this one has not, in words; `None` for the same study.
+    /// The difference to another study, in words; `None` for the same study.
     fn difference(&self, kept: &Fingerprint) -> Option<String> {
         let lists = [
             ("the scenario", &self.scenario, &kept.scenario),

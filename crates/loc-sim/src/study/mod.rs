@@ -1,10 +1,9 @@
 //! Studies: one scenario under many settings and many seeds.
 //!
-//! One run shows what may happen; how a method fares shows only over many, and what a setting is
-//! good for shows when it alone is changed. A study runs every combination of the settings that are
-//! varied (a [`Grid`]) under the same seeds, on all cores, and says with what confidence the
-//! figures differ. Finished runs are kept in a [`journal`], so that an interrupted study goes on
-//! where it was.
+//! One run is a single random sample; the accuracy of a method needs many seeds, and the effect of a
+//! setting needs runs that differ in it alone. A study runs every combination of the varied settings
+//! (a [`Grid`]) under the same seeds, on all cores, and gives confidence intervals of the figures.
+//! Finished runs are kept in a [`journal`], so that an interrupted study continues where it stopped.
 //!
 //! ```
 //! use loc_sim::localizer::Method;
@@ -46,7 +45,7 @@ use std::path::Path;
 /// Up to this many combinations of settings are all checked before the first run.
 const CHECKED: usize = 10_000;
 
-/// What is asked of a study.
+/// The options of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyOptions {
     /// Seeds per combination of settings.
@@ -57,13 +56,13 @@ pub struct StudyOptions {
     pub vary: Vec<Axis>,
     /// The methods; the scenario's where left out.
     pub methods: Vec<Method>,
-    /// How estimates are carried into the frame of the truth.
+    /// How estimates are aligned with the frame of the truth.
     pub align: Alignment,
     /// Whether the estimates of Kalman filters are smoothed as well.
     pub smooth: bool,
     /// When a run counts as a success.
     pub success: Success,
-    /// What tells one program from another, so that their runs are never mixed.
+    /// Identifies the build of the program, so that runs of different builds are never mixed.
     pub program: String,
 }
 
@@ -89,7 +88,7 @@ pub struct Study {
     scenario: Scenario,
     grid: Grid,
     methods: Vec<Method>,
-    /// The names of what the methods give: their own, and those of what is smoothed.
+    /// The names of the records of a run: the methods, then their smoothed forms.
     records: Vec<String>,
     smooth: bool,
     align: Alignment,
@@ -152,7 +151,7 @@ impl Study {
         &self.methods
     }
 
-    /// The names of what each run gives estimates of: the methods, and after them what is smoothed.
+    /// The names of the records of a run: the methods, then their smoothed forms.
     pub fn records(&self) -> &[String] {
         &self.records
     }
@@ -181,7 +180,7 @@ impl Study {
         })
     }
 
-    /// Opens the journal of this study in a folder, or begins one there.
+    /// Opens the journal of this study in a folder, or creates one there.
     ///
     /// # Errors
     /// Those of [`Journal::open`].
@@ -189,22 +188,22 @@ impl Study {
         Journal::open(folder, &self.fingerprint()?, &self.grid)
     }
 
-    /// Does the runs that the folder's journal lacks. `tell` is told how far it is, and answers
-    /// whether to go on; the answer of the whole is whether all runs are done.
+    /// Executes the runs that are missing in the folder's journal. `progress` gets the state and
+    /// returns whether to continue. Returns whether all runs are done.
     ///
-    /// A run in which a method fails is kept as one that failed.
+    /// A run in which a method fails is recorded as failed.
     ///
     /// # Errors
-    /// Those of [`Journal`]; and what makes every run fail alike, such as a method without the
-    /// sensors that it needs. What was done until then is kept.
+    /// Those of [`Journal`]; and errors that affect every run, such as a method without the sensors
+    /// that it needs. Finished runs are kept.
     pub fn run(
         &self,
         folder: &Path,
         threads: usize,
-        tell: &mut dyn FnMut(StudyProgress) -> bool,
+        progress: &mut dyn FnMut(StudyProgress) -> bool,
     ) -> Result<bool> {
         let mut journal = self.journal(folder)?;
-        runner::complete(&self.grid, &mut journal, threads, &|job| self.one(job), tell)
+        runner::complete(&self.grid, &mut journal, threads, &|job| self.one(job), progress)
     }
 
     /// One run.
@@ -228,8 +227,8 @@ impl Study {
     /// The figures over all runs that the folder's journal holds.
     ///
     /// # Errors
-    /// Those of [`Journal`], and [`Error::UnknownName`] where success is asked of a figure that
-    /// there is not.
+    /// Those of [`Journal`], and [`Error::UnknownName`] where success is defined by an
+    /// unknown figure.
     pub fn results(&self, folder: &Path) -> Result<Results> {
         Results::of(self, &self.journal(folder)?)
     }

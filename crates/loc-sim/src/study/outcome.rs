@@ -1,4 +1,4 @@
-//! What is kept of a run: its figures, not its path.
+//! The figures of a run, and their summary over the runs of one combination of settings.
 
 use super::Job;
 use crate::metrics::consistency::RunEvidence;
@@ -10,13 +10,13 @@ use loc_core::stats::{RunningMoments, mean_interval, wilson_interval};
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 
-/// NEES is kept at no more steps of a run than this.
+/// Largest number of steps of a run whose NEES is kept.
 const STEPS: usize = 100;
 
-/// The share of honest cases that bands and intervals hold.
+/// Confidence level of bands and intervals.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// Figures that differ from run to run of the same seed: those of time.
+/// Figures that differ between runs of the same seed: computing times.
 pub const TIMES: [&str; 2] = ["runtime_s", "realtime_factor"];
 
 /// A finished run.
@@ -26,7 +26,7 @@ pub struct RunOutcome {
     pub cell: usize,
     /// The seed.
     pub seed: u64,
-    /// What went wrong; the methods then have no figures.
+    /// The error of a failed run; the methods then have no figures.
     pub error: Option<String>,
     /// Figures of the run itself: duration and distance.
     pub figures: Vec<(String, Option<f64>)>,
@@ -39,16 +39,16 @@ pub struct RunOutcome {
 pub struct MethodOutcome {
     /// The method.
     pub method: String,
-    /// Whether it knew at the end where the robot was, see [`ends_near`].
+    /// Whether it was localized at the end, see [`ends_near`].
     pub ends_near: Option<bool>,
     /// Its figures of `summary.json`, in that order.
     pub figures: Vec<(String, Option<f64>)>,
-    /// What the tests of consistency need.
+    /// Input of the consistency tests.
     pub evidence: RunEvidence,
 }
 
 impl RunOutcome {
-    /// What is kept of a run.
+    /// The figures of a run.
     ///
     /// # Errors
     /// [`crate::Error::UndeterminedAlignment`], and [`loc_core::Error`] for estimates that are not
@@ -90,7 +90,7 @@ impl RunOutcome {
 }
 
 impl MethodOutcome {
-    /// A figure by its name; `None` for one that there is not, or that has no meaning.
+    /// A figure by its name; `None` for an unknown one, or one without a meaning.
     pub fn figure(&self, name: &str) -> Option<f64> {
         self.figures.iter().find(|(known, _)| known == name).and_then(|(_, value)| *value)
     }
@@ -135,8 +135,6 @@ impl<'de> Deserialize<'de> for Fields {
     }
 }
 
-// What the runs of one combination of settings say about one method.
-
 /// One method under one combination of settings, over all its seeds.
 #[derive(Debug, Clone, Serialize)]
 pub struct Group {
@@ -147,15 +145,15 @@ pub struct Group {
     pub method: String,
     /// Number of runs.
     pub runs: u64,
-    /// How many of them ended with an error; they count as no success.
+    /// Number of runs that ended with an error; they count as no success.
     pub failed: u64,
-    /// How many of them could be judged: all, where success has a meaning.
+    /// Number of runs whose success is defined: all or none.
     pub judged: u64,
-    /// How many succeeded.
+    /// Number of successes.
     pub successes: u64,
     /// Their share; null where success has no meaning.
     pub success_rate: Option<f64>,
-    /// The interval of Wilson that holds the probability of a success at 95 %.
+    /// Wilson's 95 % confidence interval of the probability of a success.
     pub success_interval: Option<[f64; 2]>,
     /// Root mean square of the distances to the truth, a number per run.
     pub ate_rmse_m: Option<Spread>,
@@ -163,9 +161,9 @@ pub struct Group {
     pub heading_rmse_deg: Option<Spread>,
     /// Distance to the truth at the end, a number per run.
     pub final_error_m: Option<Spread>,
-    /// Time that the method took, a number per run.
+    /// Computing time of the method, a number per run.
     pub runtime_s: Option<Spread>,
-    /// Whether its covariances are honest.
+    /// Consistency of its covariances.
     pub consistency: ConsistencyFigures,
     /// The tests behind the latter; for the first combination of settings only.
     #[serde(skip)]
@@ -175,23 +173,23 @@ pub struct Group {
     pub errors: Vec<f64>,
 }
 
-/// How a figure is spread over runs.
+/// Distribution of a figure over runs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
-    /// How many runs have it.
+    /// Number of runs that have it.
     pub count: u64,
     /// Its mean.
     pub mean: f64,
-    /// The interval that holds the expected value at 95 %, by Student's distribution; null for a
-    /// single run.
+    /// 95 % confidence interval of the expected value, by Student's distribution; null for a single
+    /// run.
     pub interval: Option<[f64; 2]>,
-    /// Half of the runs lie below.
+    /// Median.
     pub median: f64,
-    /// Nineteen of twenty runs lie below.
+    /// 95 % quantile.
     pub p95: f64,
     /// The largest.
     pub max: f64,
-    /// From which the spread of several groups together follows.
+    /// Moments, to combine several groups.
     #[serde(skip)]
     pub(super) moments: RunningMoments,
 }
@@ -216,7 +214,7 @@ impl Spread {
     }
 }
 
-/// Takes the runs of a group one by one.
+/// Collects the runs of a group one by one.
 #[derive(Debug)]
 pub(super) struct Gathering {
     method: String,
@@ -262,7 +260,7 @@ impl Gathering {
         self.consistency.push_evidence(&outcome.evidence)
     }
 
-    /// The group; with `whole` it keeps what figures of a single group need.
+    /// The group; with `whole` it keeps the data for figures of a single group.
     pub(super) fn finish(self, settings: Vec<(String, toml::Value)>, whole: bool) -> Result<Group> {
         let [ate, heading, last, runtime] = &self.figures;
         let interval = match self.judged {
@@ -296,9 +294,7 @@ fn as_map<S: Serializer>(
     serializer.collect_map(settings.iter().map(|(key, value)| (key, value)))
 }
 
-// When a run counts as a success.
-
-/// What a method must reach in a run.
+/// When a run of a method counts as a success.
 ///
 /// ```
 /// use loc_sim::study::Success;
@@ -309,7 +305,7 @@ fn as_map<S: Serializer>(
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Success {
     /// At the end its estimates lie within 0.5 m and 10 deg of the truth, see
-    /// [`ends_near`](crate::metrics::ends_near).
+    /// [`ends_near`].
     #[default]
     EndsNear,
     /// A figure of `summary.json` lies below a limit.
@@ -322,7 +318,7 @@ pub enum Success {
 }
 
 impl Success {
-    /// Whether a method reached it; `None` where the figure has no meaning.
+    /// Whether a method succeeded; `None` where the figure has no meaning.
     ///
     /// # Errors
     /// [`Error::UnknownName`] for a figure that there is not.

@@ -1,6 +1,6 @@
 //! Tables as Apache Parquet, which pandas, Polars, DuckDB and R read with types and nulls intact.
 //!
-//! The smallest part of the format that every reader knows: flat columns that may be null, plain
+//! It writes the smallest part of the format that every reader supports: flat columns that may be null, plain
 //! encoding, no compression, one page per column and row group. (Specification: `README.md`,
 //! `Encodings.md` and `parquet.thrift` of <https://github.com/apache/parquet-format>.)
 //!
@@ -24,7 +24,7 @@ const PLAIN: i32 = 0;
 const RLE: i32 = 3;
 const UNCOMPRESSED: i32 = 0;
 
-/// What a column holds.
+/// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Truth values.
@@ -44,7 +44,7 @@ pub enum Kind {
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// What it holds.
+    /// The type of its values.
     pub kind: Kind,
 }
 
@@ -74,7 +74,7 @@ impl Kind {
         }
     }
 
-    /// What the physical type stands for: UTF8, UINT_64.
+    /// The logical type of the physical one: UTF8, UINT_64.
     fn converted(self) -> Option<i32> {
         match self {
             Kind::Text => Some(0),
@@ -112,7 +112,7 @@ impl Values {
         }
     }
 
-    /// How many rows there are.
+    /// Number of rows.
     pub fn len(&self) -> usize {
         match self {
             Values::Bool(values) => values.len(),
@@ -139,7 +139,7 @@ pub struct Writer<W: Write> {
     groups: Vec<RowGroup>,
 }
 
-/// What the footer says of a row group.
+/// The entry of a row group in the footer.
 #[derive(Debug)]
 struct RowGroup {
     rows: u64,
@@ -237,8 +237,6 @@ fn chunk(column: &Column, (begin, length): (u64, u64), rows: u64) -> Struct {
         .i64(9, begin);
     Struct::new().i64(2, begin).inner(3, data)
 }
-
-// A page: which rows have a value, and the values.
 
 /// The header and the data of a page.
 fn page(values: &Values) -> io::Result<Vec<u8>> {

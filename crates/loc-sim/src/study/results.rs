@@ -1,16 +1,14 @@
-//! The figures of a study.
-//!
-//! The files of a finished study.
+//! The results of a study, and the files of its output folder:
 //!
 //! ```text
 //! journal.jsonl    the finished runs, see `journal`
 //! runs.csv         a row per run and method: settings, seed, figures; the same to the byte however
 //!                  often the study was interrupted and on however many threads it ran
 //! runs.parquet     the same table
-//! times.csv        what differs every time: how long the methods took
+//! times.csv        the computing times, which differ every time
 //! study.json       the figures over all runs
-//! *.svg            the figures to look at
-//! report.html      all of it on one page
+//! *.svg            figures
+//! report.html      the whole on one page
 //! ```
 
 use super::journal::Journal;
@@ -26,7 +24,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// What a study found out.
+/// The results of a study.
 #[derive(Debug, Clone, Serialize)]
 pub struct Results {
     /// Name of the scenario.
@@ -35,7 +33,7 @@ pub struct Results {
     pub title: String,
     /// Number of runs.
     pub runs: u64,
-    /// How many of them ended with an error.
+    /// Number of runs that ended with an error.
     pub failed: u64,
     /// The first of these errors, with its place.
     pub first_error: Option<String>,
@@ -47,14 +45,14 @@ pub struct Results {
     pub varied: Vec<String>,
     /// When a run counts as a success.
     pub success: String,
-    /// How long a run lasts for the robot, in the first run \[s\].
+    /// Simulated duration of the first run \[s\].
     pub duration_s: Option<f64>,
     /// One entry per combination of settings and method.
     pub groups: Vec<Group>,
-    /// Names of the figures of a run, as they come.
+    /// Names of the figures of a run, in their order.
     #[serde(skip)]
     pub(super) run_figures: Vec<String>,
-    /// Names of the figures of a method, as they come.
+    /// Names of the figures of a method, in their order.
     #[serde(skip)]
     pub(super) method_figures: Vec<String>,
 }
@@ -157,8 +155,8 @@ fn union(names: &mut Vec<String>, figures: &[(String, Option<f64>)]) {
 /// Rows of a row group in Parquet.
 const GROUP: usize = 1 << 16;
 
-/// Writes everything beside the journal: first into a folder of its own, then, when that has
-/// succeeded, in place of the files of an earlier time.
+/// Writes all files beside the journal: first into a temporary folder, then, when that has
+/// succeeded, in place of the existing files.
 pub(super) fn write(
     study: &Study,
     journal: &Journal,
@@ -175,12 +173,12 @@ pub(super) fn write(
         }
         Ok(())
     });
-    // A failure to tidy up would hide the first error.
+    // An error of the clean-up would hide the first error.
     let _ = fs::remove_dir_all(&staging);
     written
 }
 
-/// Writes all files into a folder; the answer is their names.
+/// Writes all files into a folder; returns their names.
 fn stage(
     study: &Study,
     journal: &Journal,

@@ -1,4 +1,4 @@
-//! Runs what is missing, on several threads.
+//! Executes the missing runs of a study on several threads, and the scenario that they run.
 
 use super::journal::Journal;
 use super::{Axis, Grid, Job, RunOutcome};
@@ -11,13 +11,13 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 use toml::Value;
 
-/// How often the caller is asked whether to go on, where no run ends meanwhile.
-const PATIENCE: Duration = Duration::from_millis(50);
+/// Largest time between two calls of `progress`, if no run ends meanwhile.
+const PROGRESS_PERIOD: Duration = Duration::from_millis(50);
 
-/// How far a study is.
+/// The progress of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StudyProgress {
-    /// Runs that an earlier start has done.
+    /// Runs that were done before this start.
     pub kept: usize,
     /// Runs that are done.
     pub done: usize,
@@ -25,9 +25,9 @@ pub struct StudyProgress {
     pub total: usize,
 }
 
-/// Does the runs that the journal lacks and puts each into it. `tell` is told how far it is, and
-/// answers whether to go on; runs that have begun are finished in any case. The answer is whether
-/// all are done.
+/// Executes the runs that are missing in the journal and appends each to it. `progress` gets the
+/// state and returns whether to continue; runs that have begun are finished in any case. Returns
+/// whether all are done.
 ///
 /// The threads take the runs in the order of the grid; each run depends on its setting and its
 /// seed alone, so neither the number of threads nor an interruption can change it.
@@ -36,7 +36,7 @@ pub(super) fn complete(
     journal: &mut Journal,
     threads: usize,
     run: &(dyn Fn(Job) -> Result<RunOutcome> + Sync),
-    tell: &mut dyn FnMut(StudyProgress) -> bool,
+    progress: &mut dyn FnMut(StudyProgress) -> bool,
 ) -> Result<bool> {
     let missing: Vec<usize> = (0..grid.len()).filter(|&index| !journal.has(index)).collect();
     let (kept, total) = (journal.kept(), grid.len());
@@ -60,7 +60,7 @@ pub(super) fn complete(
         }
         drop(sender);
         loop {
-            let done = match outcomes.recv_timeout(PATIENCE) {
+            let done = match outcomes.recv_timeout(PROGRESS_PERIOD) {
                 Ok(outcome) => outcome.and_then(|outcome| journal.add(grid, &outcome)),
                 Err(RecvTimeoutError::Timeout) => Ok(()),
                 Err(RecvTimeoutError::Disconnected) => break,
@@ -70,7 +70,7 @@ pub(super) fn complete(
                 // The first one is the cause of the others.
                 first_error.get_or_insert(error);
             }
-            if !tell(StudyProgress { kept, done: journal.kept(), total }) {
+            if !progress(StudyProgress { kept, done: journal.kept(), total }) {
                 stop.store(true, Ordering::Relaxed);
             }
         }
@@ -82,9 +82,7 @@ pub(super) fn complete(
     }
 }
 
-// The scenario that a study runs, as text that settings are put into.
-
-/// The text of a scenario, with the changes that all runs share.
+/// The scenario that a study runs: its text, with the changes that all runs share.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudySource {
     file: String,
@@ -120,8 +118,7 @@ impl StudySource {
         Scenario::parse(&self.file, &self.text, &changes)
     }
 
-    /// Every setting as `key = value`, a line each: what tells two scenarios apart. The seed is
-    /// not among them.
+    /// Every setting as `key = value`, a line each, to compare scenarios; without the seed.
     ///
     /// # Errors
     /// [`Error::Config`] for text that is no TOML.

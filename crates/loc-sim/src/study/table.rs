@@ -1,4 +1,4 @@
-//! The tables that a study prints.
+//! The tables of a study: the one that it prints, the one of all runs, and their CSV form.
 
 use super::parquet::{Column, Kind, Values};
 use super::{Group, Results, RunOutcome, Spread, Study, TIMES};
@@ -6,10 +6,10 @@ use crate::Result;
 use std::fmt::Write;
 use toml::Value;
 
-/// No more rows than this are printed.
+/// Largest number of printed rows.
 const ROWS: usize = 40;
 
-/// How the methods fare, and whether they are honest; without a line break at its end.
+/// Accuracy and consistency of the methods; without a line break at its end.
 pub fn table(results: &Results) -> String {
     let Results { scenario, runs, seeds, first_seed, .. } = results;
     let last = first_seed + (seeds - 1);
@@ -23,7 +23,7 @@ pub fn table(results: &Results) -> String {
     if results.groups.iter().any(|group| group.consistency.nees_mean.is_some()) {
         lines.push(String::new());
         lines.push(
-            "consistency: 1 per degree of freedom is honest, more is too sure; 95 % in band".into(),
+            "consistency: 1 per degree of freedom is consistent, more is overconfident; 95 % in band".into(),
         );
         lines.extend(columns(results, &consistency()));
     }
@@ -36,7 +36,7 @@ pub fn table(results: &Results) -> String {
     lines.join("\n")
 }
 
-/// A column: its heading and what stands in it.
+/// A column: its heading and its cells.
 type TableColumn = (&'static str, fn(&Group) -> String);
 
 fn accuracy() -> Vec<TableColumn> {
@@ -75,7 +75,7 @@ fn consistency() -> Vec<TableColumn> {
     ]
 }
 
-/// The columns under their headings, each as wide as it must be.
+/// The columns under their headings, each in the width of its content.
 fn columns(results: &Results, columns: &[TableColumn]) -> Vec<String> {
     let axes = results.varied.iter().map(|key| key.rsplit('.').next().unwrap_or(key).to_owned());
     let mut heading: Vec<String> = axes.collect();
@@ -118,7 +118,7 @@ fn with_range(spread: Option<Spread>, digits: usize) -> String {
 fn figure(value: Option<f64>, digits: usize) -> String {
     match value {
         None => "-".into(),
-        // A covariance far too small, or a method that is lost.
+        // A covariance far too small, or a delocalized method.
         Some(value) if value >= 1e5 => format!("{value:.0e}"),
         Some(value) => format!("{value:.digits$}"),
     }
@@ -135,8 +135,6 @@ fn share(share: Option<f64>) -> String {
     share.map_or("-".into(), |share| format!("{} %", percent(share)))
 }
 
-// The table of all runs: a row per run and method.
-
 /// A value of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Cell {
@@ -148,7 +146,7 @@ pub(super) enum Cell {
     Text(String),
 }
 
-/// The names of the columns, and how the rows are made.
+/// The columns of the table of all runs (a row per run and method), and how the rows are made.
 #[derive(Debug)]
 pub(super) struct Columns<'a> {
     study: &'a Study,
@@ -160,7 +158,7 @@ impl<'a> Columns<'a> {
         Columns { study, results }
     }
 
-    /// What all rows of a run and method begin with: settings, seed, method.
+    /// The first columns of every row: settings, seed, method.
     fn key_columns(&self) -> Vec<Column> {
         let mut columns = Vec::new();
         for axis in self.study.grid().axes() {
@@ -181,7 +179,7 @@ impl<'a> Columns<'a> {
         columns
     }
 
-    /// The figures of a method that are the same whenever it is run.
+    /// The figures of a method that are reproducible.
     fn figures(&self) -> impl Iterator<Item = &str> {
         let names = self.results.method_figures.iter().map(String::as_str);
         names.filter(|name| !TIMES.contains(name))
@@ -303,15 +301,15 @@ fn as_text(cell: &Cell) -> Option<String> {
     if let Cell::Text(text) = cell { Some(text.clone()) } else { None }
 }
 
-// Rows as CSV (RFC 4180, with line feeds): a null is empty, numbers have every digit they need.
-
 /// The first line.
+/// The header of a CSV table (RFC 4180, with line feeds).
 pub(super) fn header(columns: &[Column]) -> String {
     let cells: Vec<Cell> = columns.iter().map(|c| Cell::Text(c.name.clone())).collect();
     line(&cells)
 }
 
 /// A row with its line feed.
+/// A row of a CSV table: a null is empty, numbers have all digits that they need.
 pub(super) fn line(cells: &[Cell]) -> String {
     let mut line = String::new();
     for (k, cell) in cells.iter().enumerate() {

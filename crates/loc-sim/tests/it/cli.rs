@@ -171,7 +171,7 @@ fn a_second_run_leaves_nothing_of_the_first_but_what_is_not_its_own() {
 }
 
 #[test]
-fn mistakes_are_told_in_one_line_and_leave_nothing() {
+fn mistakes_are_reported_in_one_line_and_leave_no_files() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
     fs::write(folder.path().join("bad.toml"), "name = \"bad\"\nseed = -1\n").unwrap();

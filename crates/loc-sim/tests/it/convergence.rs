@@ -1,4 +1,4 @@
-//! When a lost method has found the robot.
+//! When a delocalized method has converged.
 
 use crate::replay::{corrected, drive, open};
 use loc_core::{Pose2, Stamped};
@@ -40,7 +40,7 @@ fn a_robot_is_found_where_the_estimate_comes_near_and_stays() {
     });
     let at = found(&run, &run.methods[0], 50.0).unwrap();
     assert_eq!((at.after, at.updates), (7.5, 16));
-    // Of the estimates from 61 s on the first is near, and 55 to 60 are not asked.
+    // Of the estimates from 61 s on the first is near, and 55 to 60 do not count.
     let later = found(&run, &run.methods[0], 61.0).unwrap();
     assert_eq!((later.after, later.updates), (0.0, 1));
     // 0.18 rad are more than 10 degrees.
@@ -53,13 +53,13 @@ fn a_robot_is_found_where_the_estimate_comes_near_and_stays() {
 }
 
 #[test]
-fn the_summary_tells_of_searches_and_of_kidnappings() {
+fn the_summary_reports_searches_and_kidnappings() {
     let mut run =
         run(|k, truth| aside(truth, if k < 4 || (30..36).contains(&k) { 5.0 } else { 0.0 }, 0.0));
     let figures = |run: &Run| Summary::of(run, None, Alignment::None).unwrap().methods[0].1.clone();
     let none = figures(&run);
     assert_eq!((none.converged_at_s, none.recovered_after_s), (None, None));
-    // Dead reckoning cannot search, whatever it is not told.
+    // Dead reckoning cannot search, even without a start pose.
     run.settings.global = true;
     assert_eq!(figures(&run).converged_at_s, None);
     run.methods[0].method = Method::Mcl;

@@ -1,4 +1,4 @@
-//! Recordings carried into other formats, and read back.
+//! Recordings converted to other formats, and read back.
 
 use loc_core::Pose2;
 use loc_sensors::event::{Control, Event, Measurement, Payload};

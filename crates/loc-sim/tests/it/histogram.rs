@@ -55,7 +55,7 @@ fn in_hall() -> ReplayOptions {
     ReplayOptions { map: Some(Arc::new(hall())), start_sigmas, ..Default::default() }
 }
 
-/// Told nothing, and carried off on the way.
+/// Without a start pose, and kidnapped during the tour.
 #[test]
 fn on_a_recording_it_searches_tracks_and_recovers() {
     let options = ReplayOptions { kidnap: Some(8.0), ..in_hall() };
@@ -189,7 +189,7 @@ fn on_intel_it_is_found_from_every_third_scan() {
 
 /// From no knowledge, over several seeds: mostly the right room.
 #[test]
-fn on_the_topological_map_it_knows_the_room() {
+fn the_topological_map_gives_the_room() {
     for seed in [2, 3] {
         let changes = ["demonstration.views=150", "demonstration.tour.duration_s=80.0"];
         let changes = changes.map(str::to_owned);

@@ -10,7 +10,7 @@ use loc_sim::source::ranging::RangingStart;
 use loc_sim::source::{Calibrated, Mrclam, RangeRecording, Source};
 
 #[test]
-fn landmark_drives_are_as_accurate_as_by_the_ekf_and_honest() {
+fn landmark_drives_are_as_accurate_as_by_the_ekf_and_consistent() {
     let scenario = Scenario::named("landmark-drive", &[]).unwrap();
     let mut tests = Consistency::new(0.95).unwrap();
     let mut rmse = [0.0; 2];
@@ -84,7 +84,7 @@ fn sigma(run: &Run, stamp: f64) -> f64 {
 }
 
 #[test]
-fn a_time_without_satellites_is_survived_honestly() {
+fn an_outage_of_satellites_keeps_the_covariance_consistent() {
     let scenario = scenario(&SHORT);
     let mut tests = Consistency::new(0.95).unwrap();
     for seed in 1..=15 {

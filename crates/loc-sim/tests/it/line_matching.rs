@@ -37,7 +37,7 @@ fn in_the_office_it_is_within_millimetres() {
     let record = &run.methods[0];
     let accepted = record.judgements.iter().filter(|judgement| judgement.value.accepted).count();
     assert!(accepted > 300 && accepted as f64 > 0.95 * record.judgements.len() as f64);
-    // The first scan mends the rough start, and is drawn.
+    // The first scan corrects the rough start, and is drawn.
     let moments: Vec<_> = record.lines.iter().collect();
     assert_eq!((moments.len(), moments[0].stamp), (6, 0.0));
     assert!(moments.iter().all(|moment| moment.value.tracking == Tracking::Sure));
@@ -46,10 +46,10 @@ fn in_the_office_it_is_within_millimetres() {
     assert!(lines.svg.contains("predicted pose") && lines.svg.contains("0.0 s: "));
 }
 
-/// 50 seeds of the whole tour: position, heading, and covariances that are honest.
+/// 50 seeds of the whole tour: position, heading, and consistent covariances.
 #[test]
 #[ignore = "minutes; run with --release"]
-fn over_50_seeds_the_covariance_is_honest() {
+fn over_50_seeds_the_covariance_is_consistent() {
     let scenario = scenario(&[]);
     let mut tests = Consistency::new(0.95).unwrap();
     let (mut squares, mut worst) = ([0.0; 2], 0.0_f64);
@@ -92,7 +92,7 @@ fn lines_come_from_a_file_or_from_the_grid() {
 }
 
 #[test]
-fn without_walls_it_says_what_it_needs() {
+fn without_walls_the_error_names_the_need() {
     let settings = MethodSettings::default();
     let source = open(&corrected(), &ReplayOptions::default());
     let error = runner::run(&mut source.unwrap(), &[Method::LineEkf], &settings, &mut |_| {});

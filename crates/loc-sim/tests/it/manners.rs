@@ -68,7 +68,7 @@ fn quiet_and_json_are_what_they_say() {
     }
 }
 
-/// A reader that goes away is no failure, and the run is written all the same.
+/// A closed pipe is no failure, and the run is written all the same.
 #[test]
 fn piped_into_head_it_ends_well() {
     let folder = TempDir::new().unwrap();
@@ -195,7 +195,7 @@ fn ctrl_c_in_a_run_leaves_nothing() {
     }
 }
 
-/// Not even a kill leaves a file that looks whole.
+/// A kill leaves no file that looks complete.
 #[test]
 fn a_killed_run_leaves_nothing_that_looks_whole() {
     let folder = TempDir::new().unwrap();
@@ -244,7 +244,7 @@ fn a_terminal_of_60_columns_is_enough() {
     assert!(wide.contains(" rejected\n") && !wide.contains("more columns"), "{wide}");
 }
 
-/// Usage and errors are without colours where nobody sees them, or nobody wants them.
+/// Usage and errors are without colours without a terminal, or if they are switched off.
 #[test]
 fn there_are_no_colours_in_a_file() {
     let folder = TempDir::new().unwrap();

@@ -86,7 +86,7 @@ fn worlds_come_by_name_and_seed() {
 }
 
 #[test]
-fn mistakes_are_told_in_one_line() {
+fn mistakes_are_reported_in_one_line() {
     let folder = TempDir::new().unwrap();
     let path = folder.path();
     fs::write(path.join("zero.yaml"), "image: a.pgm\nresolution: 0\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n").unwrap();

@@ -391,7 +391,7 @@ fn the_library_call_counts_the_same_steps() {
     assert!((figures.nees_share_in_band.unwrap() - share).abs() < 1e-12);
     assert_eq!((figures.runs, tests.nees().steps().len()), (SEEDS, 421));
     assert!((figures.nees_mean.unwrap() - 3.0 * figures.nees_per_degree.unwrap()).abs() < 1e-9);
-    // An EKF is honest only as far as its lines follow the curves; here they do, to two percent.
+    // An EKF is consistent as far as its linearization holds; here it does, to two percent.
     assert!((figures.nis_per_degree.unwrap() - 1.0).abs() < 0.02, "{figures:?}");
     assert!((figures.nis_share_inside.unwrap() - 0.95).abs() < 0.01);
     assert!(figures.white_share.unwrap() >= 0.8, "{figures:?}");

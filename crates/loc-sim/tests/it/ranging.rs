@@ -137,9 +137,9 @@ fn kind(event: &Event) -> &'static str {
     }
 }
 
-/// The way from one line to the next is a velocity from the first on, known at the second.
+/// The motion from one line to the next is a velocity from the first on, known at the second.
 #[test]
-fn plaza_turns_ways_into_velocities_and_sorts_ranges() {
+fn plaza_distances_become_velocities_and_ranges_are_sorted() {
     let folder = folder(&PLAZA, "", "");
     let mut source = RangeRecording::plaza(folder.path(), 1, &START).unwrap();
     assert_eq!(source.notes(), ["1 ranges stand behind later ones in the file; sorted by stamp"]);

@@ -85,7 +85,7 @@ fn the_player_has_the_poses_and_the_particles_of_the_run() {
     assert!(counts.iter().filter(|count| **count > 30).count() > 20);
 }
 
-/// A recording without true poses shows no path that nobody knows.
+/// A recording without true poses shows no true path.
 #[test]
 fn without_truth_there_is_no_true_path() {
     let scenario = Scenario::named("landmark-drive", &[]).unwrap();

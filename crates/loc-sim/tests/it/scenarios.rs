@@ -120,7 +120,7 @@ fn latency_delays_but_does_not_lose() {
     let late = run("landmark-drive", &["drive.camera.latency_s=0.35"]);
     let punctual = run("landmark-drive", &[]);
     let count = |run: &Run| run.methods[1].judgements.len();
-    // Only what was seen in the last 0.35 s may still be on its way at the last truth.
+    // Only observations of the last 0.35 s may still be pending at the last truth.
     assert!(count(&late) == count(&punctual) && count(&punctual) > 50);
     let error = |run: &Run| {
         let estimates = run.methods[1].estimates.iter().zip(&run.truth);

@@ -84,7 +84,7 @@ fn it_keeps_off_the_walls_and_within_its_speeds() {
         assert!(steps().all(|step| step.theta.abs() < 7.01_f64.to_radians()));
         let driven: f64 = steps().map(|step| f64::hypot(step.x, step.y)).sum();
         assert!(driven > 8.0, "seed {seed}: {driven}");
-        // Perfect wheels add up to the way that was driven.
+        // Perfect wheels add up to the true path.
         let odometry = *odometries(&events).last().unwrap();
         let end = poses[0].between(*poses.last().unwrap());
         assert!(odometry.distance(end) < 1e-9);
@@ -131,7 +131,7 @@ fn scans_show_the_walls_from_the_true_pose() {
 /// E7: the variance of the heading grows with the angle turned and the distance travelled. Errors in units
 /// of their standard deviation have a mean square of 1.
 #[test]
-fn odometry_errs_as_much_as_its_noise_says() {
+fn odometry_errors_match_the_noise_model() {
     let noise = "tour.wheels.noise={distance_sigma_m=0.02,turn_sigma_deg=10,drift_sigma_deg=2}";
     let (mut squares, runs) = (0.0, 60);
     for seed in 1..=runs {
@@ -152,7 +152,7 @@ fn odometry_errs_as_much_as_its_noise_says() {
 }
 
 #[test]
-fn one_seed_gives_one_tour_whoever_is_in_the_way() {
+fn people_do_not_change_the_tour_of_a_seed() {
     let people = "tour.people={count=20, blocked_share=0.3}";
     let plain = events(&mut tour(5, &[]));
     assert_eq!(plain, events(&mut tour(5, &[])));

@@ -77,7 +77,7 @@ fn particles_close_a_loop_without_numbers() {
 
 /// The method observes landmarks without their map: it gives the same result without one.
 #[test]
-fn slam_is_not_told_the_landmarks() {
+fn slam_does_not_use_the_true_landmarks() {
     let scenario = scenario("slam-landmarks", &[]);
     let settings = scenario.settings().unwrap();
     let mut source = scenario.source(3).unwrap();
@@ -338,5 +338,5 @@ fn broken_recordings_name_file_line_and_column() {
     write(path, "gtsam_landmark_obs.csv", "1,2,1.0,0.0,1.0,0.0\n");
     write(path, "gps.csv", "9.0,1.0,2.0\n");
     let text = message(LandmarkRecording::victoria_park(path, Trees::Numbered, [0.0; 3]));
-    assert!(text.contains("positions of the GPS along the first way"), "{text}");
+    assert!(text.contains("positions of the GPS along the first part"), "{text}");
 }

@@ -51,7 +51,7 @@ sensors = [{ sigma_m = 0.5 }]
 "#;
 
 #[test]
-fn smoothing_a_rail_errs_less_and_is_honest() {
+fn smoothing_a_rail_is_more_accurate_and_consistent() {
     let scenario = Scenario::parse("rail", RAIL, &[]).unwrap();
     let (filter, smoother, better) = compare(&scenario, Method::Kf, 60);
     assert!(smoother < 0.85 * filter && better >= 50);
@@ -71,7 +71,7 @@ fn smoothing_a_rail_errs_less_and_is_honest() {
 }
 
 #[test]
-fn smoothing_among_landmarks_errs_less_and_is_honest() {
+fn smoothing_among_landmarks_is_more_accurate_and_consistent() {
     let scenario = Scenario::named("landmark-drive", &[]).unwrap();
     let (filter, smoother, better) = compare(&scenario, Method::Ekf, 60);
     assert!(smoother < 0.8 * filter && better >= 57);
@@ -88,7 +88,7 @@ fn smoothing_among_landmarks_errs_less_and_is_honest() {
 
 /// Every sensor in one filter, extended or unscented, through a time without satellites.
 #[test]
-fn smoothing_a_fusion_errs_less_and_is_honest() {
+fn smoothing_a_fusion_is_more_accurate_and_consistent() {
     let scenario = Scenario::named("sensor-fusion", &[]).unwrap();
     for method in [Method::Fusion, Method::FusionUkf] {
         let (filter, smoother, better) = compare(&scenario, method, 4);
@@ -122,7 +122,7 @@ fn late_measurements_are_not_late_for_the_smoother() {
     };
     let (late, punctual) = (run("drive.camera.latency_s=0.35"), run("drive.camera.latency_s=0.0"));
     let pairs = late.methods[1].estimates.iter().zip(&punctual.methods[1].estimates);
-    // What was seen in the last 0.35 s is still on its way at the end.
+    // Observations of the last 0.35 s are still pending at the end.
     let off = |(a, b): (&Estimate, &Estimate)| a.pose.distance(b.pose);
     let early: Vec<f64> = pairs.take(60).map(off).collect();
     assert!(early.iter().all(|off| *off < 1e-3), "{early:?}");
@@ -146,7 +146,7 @@ fn a_tour_is_smoothed_too() {
 
 /// Without the wish nothing is smoothed.
 #[test]
-fn nobody_is_smoothed_unasked() {
+fn no_method_is_smoothed_without_request() {
     let scenario = Scenario::named("landmark-drive", &[]).unwrap();
     let run = scenario.run(None, Some(&[Method::Ekf]), &mut |_| {}).unwrap();
     assert_eq!(run.methods.len(), 1);

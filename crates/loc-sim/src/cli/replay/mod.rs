@@ -1,4 +1,4 @@
-//! `loc-sim replay`: a recording.
+//! `loc-sim replay` runs methods over a recording.
 
 mod source;
 
@@ -54,16 +54,16 @@ pub struct ReplayArgs {
         conflicts_with = "global_start"
     )]
     pub initial_pose: Option<String>,
-    /// Do not tell methods that can search where the robot starts.
+    /// Start without a pose, for methods that can search the whole map.
     #[arg(long = "global")]
     pub global_start: bool,
-    /// Carry the robot at least 5 m away, this long after the start.
+    /// Kidnap the robot this long after the start: cut out the log until it is at least 5 m away.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub kidnap: Option<f64>,
-    /// A TUM or CSV file of poses in the map to judge by, in place of those of the log.
+    /// A TUM or CSV file of reference poses in the map, in place of those of the log.
     #[arg(long, value_name = "FILE", conflicts_with = "reference_topic")]
     pub reference: Option<PathBuf>,
-    /// Seed of the methods that draw random numbers; 1 where nothing says otherwise.
+    /// Seed of the methods that draw random numbers; 1 unless the configuration has another.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// A TOML file with calibration and settings, or a parameter file of nav2_amcl (.yaml); what
@@ -73,15 +73,15 @@ pub struct ReplayArgs {
     /// Print the settings that suit the format as TOML instead of running.
     #[arg(long)]
     pub print_config: bool,
-    /// What is said about a bag.
+    /// Options for bags.
     #[command(flatten)]
     pub ros: RosArgs,
-    /// What to run, and where to write it.
+    /// Methods, settings and output.
     #[command(flatten)]
     pub output: OutputArgs,
 }
 
-/// Seed where nothing else says one.
+/// Default seed.
 const SEED: u64 = 1;
 
 /// A recording, ready to be run.
@@ -95,7 +95,7 @@ struct Replay {
 /// Runs methods over a recording, writes the folder and prints the table.
 ///
 /// # Errors
-/// What is wrong with the recording or the settings, and what the run reports.
+/// Errors of the recording, the settings or the run.
 pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     let log = args.log.as_deref().filter(|_| !args.print_config);
     let Some(log) = log else { return print_config(args) };
@@ -125,8 +125,8 @@ pub fn replay(args: &ReplayArgs, global: &Global) -> anyhow::Result<()> {
     args.output.check_smoothing(methods)?;
     let mut progress = Progress::new("replay", global);
     let source = replay.source.as_mut();
-    let mut tell = |share| progress.tell(share);
-    let mut playback = PlaybackRecorder::new(&mut tell);
+    let mut update = |share| progress.update(share);
+    let mut playback = PlaybackRecorder::new(&mut update);
     let (mut recorder, target) = args.output.recorder()?;
     let mut observer = Observers(&mut playback, &mut recorder);
     let mut run = runner::run_observed(source, methods, &replay.settings, &mut observer)?;
@@ -245,7 +245,7 @@ pub(in crate::cli) fn guess(log: &Path) -> Result<Format> {
     if log.is_dir() {
         return Err(unknown(log, "a folder without any of these"));
     }
-    // Comments and an odd message or two may stand before the first word that tells.
+    // Comments and other messages may come before the first line that identifies the format.
     for line in text::open(log)?.take(1 << 20).split(b'\n').take(1000) {
         let line = line.map_err(loc_core::Error::io(log))?;
         let line = String::from_utf8_lossy(&line);

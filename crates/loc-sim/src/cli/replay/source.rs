@@ -41,12 +41,12 @@ pub(super) fn laser(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::Re
     options.kidnap = args.kidnap;
     options.reference = args.reference.as_deref().map(Reference::read).transpose()?;
     let (source, start_is_known) = laser_source(args, log, format, &options, (&settings, names))?;
-    // Odometry alone has nowhere to start where nobody knows the pose.
+    // Dead reckoning needs a start pose.
     let odometry = start_is_known.then_some(Method::DeadReckoning);
     Ok(Replay { source, settings, methods: odometry.into_iter().chain([Method::Mcl]).collect() })
 }
 
-/// The recording, and whether anything says where its robot starts.
+/// The recording, and whether its start pose is known.
 fn laser_source(
     args: &ReplayArgs,
     log: &Path,
@@ -58,7 +58,7 @@ fn laser_source(
         Format::Ros => {
             let ros = args.ros.options(args.seed.unwrap_or(settings.seed))?;
             let ros = RosOptions { names, ..ros };
-            // A bag is read as a stream, unless the whole of it is needed at once.
+            // A bag is read as a stream, unless kidnapping or a reference need it as a whole.
             if options.kidnap.is_none() && options.reference.is_none() {
                 let source = RosRecording::open(log, options, &ros)?;
                 let known = source.start_is_known();
@@ -74,17 +74,17 @@ fn laser_source(
     Ok((Box::new(source), known))
 }
 
-/// What a configuration says.
+/// The content of a configuration.
 struct Configuration {
     settings: MethodSettings,
     options: ReplayOptions,
-    /// Of topics and frames, in the parameters of nav2_amcl.
+    /// Names of topics and frames, from the parameters of nav2_amcl.
     names: RosNames,
     /// Warnings about them where there is no bag.
     without_bag: Vec<String>,
 }
 
-/// What the configuration says, TOML or the parameters of nav2_amcl.
+/// Reads the configuration, TOML or the parameters of nav2_amcl.
 fn configuration(args: &ReplayArgs) -> Result<Configuration> {
     let changes = &args.output.changes;
     let config = match &args.config {
@@ -98,7 +98,7 @@ fn configuration(args: &ReplayArgs) -> Result<Configuration> {
     Ok(Configuration { settings, options, names: RosNames::default(), without_bag: Vec::new() })
 }
 
-/// What a parameter file of nav2_amcl says, with changes of the keys that a TOML file has.
+/// Reads a parameter file of nav2_amcl, with changes of keys of the TOML form.
 fn parameters(file: &Path, changes: &[String]) -> Result<Configuration> {
     let given = AmclParameters::read(file)?;
     for warning in &given.warnings {
@@ -188,7 +188,7 @@ pub(super) fn landmark_defaults(format: Format) -> &'static str {
     }
 }
 
-/// Opens a recording of one of these formats; of Victoria Park, the reading that suits.
+/// Opens a recording of one of these formats; of Victoria Park, the data that match `identities`.
 pub(in crate::cli) fn open_landmarks(
     log: &Path,
     format: Format,
@@ -265,7 +265,7 @@ pub(super) fn mrclam(args: &ReplayArgs, log: &Path) -> anyhow::Result<Replay> {
     })
 }
 
-/// What is not found in a bag by itself.
+/// Options for bags: topics and properties that are not found in the bag.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct RosArgs {
     /// The topic with the scans, in a bag with several.
@@ -318,8 +318,9 @@ impl RosArgs {
         })
     }
 
-    /// The library's form, with stamps as they are unless something else is said.
-    pub(in crate::cli) fn as_it_is(&self, seed: u64) -> Result<RosOptions> {
+    /// The library's form, without an estimated delay of the odometry: stamps stay as they are
+    /// unless a delay is given.
+    pub(in crate::cli) fn with_original_stamps(&self, seed: u64) -> Result<RosOptions> {
         let options = self.options(seed)?;
         let delay = match options.odometry_delay {
             OdometryDelay::Estimated => OdometryDelay::default(),
@@ -328,7 +329,7 @@ impl RosArgs {
         Ok(RosOptions { odometry_delay: delay, ..options })
     }
 
-    /// Refuses what only a bag can have.
+    /// Refuses options of bags for every other format.
     pub(in crate::cli) fn refuse_unless(&self, format: Format) -> anyhow::Result<()> {
         let options = [
             ("--scan-topic", self.scan_topic.is_some()),

@@ -47,7 +47,7 @@ pub(super) fn smoothed<F: NonlinearFilter<3>>(
         match input {
             Some(Input::Velocity(twist)) => drive.velocity(stamp, twist)?,
             Some(Input::LandmarkObservations(observations)) => {
-                drop(drive.observations(stamp, observations)?)
+                drop(drive.observations(stamp, observations)?);
             }
             None => drive.mark(stamp)?,
         }

@@ -1,4 +1,4 @@
-//! What moves a simulated robot, and how it feels its own motion.
+//! The drives of simulated robots (differential, legs, Ackermann, Mecanum) and their odometry.
 
 use super::{DriveConfig, Segment};
 use crate::Result;
@@ -43,7 +43,7 @@ pub(super) enum BodyOdometry {
     Velocity(VelocityNoise),
 }
 
-/// What a robot stands on.
+/// The drive of a robot.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Body<'a> {
     Wheels(&'a WheelConfig),
@@ -53,7 +53,7 @@ pub(super) enum Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    /// The one that is given.
+    /// The drive that is configured.
     ///
     /// # Errors
     /// [`crate::Error::Config`] for none and for several.
@@ -74,7 +74,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The velocity that the wheels give, where the segment says how they move.
+    /// The velocity from the motion of the wheels, where the segment gives that.
     pub(super) fn by_wheels(self, segment: &Segment) -> Result<Option<Twist2>> {
         let Segment { v_m_s, steering_deg, left_m_s, right_m_s, wheels_m_s, .. } = *segment;
         Ok(match (self, left_m_s, right_m_s, steering_deg, wheels_m_s) {
@@ -91,8 +91,8 @@ impl<'a> Body<'a> {
         })
     }
 
-    /// How a segment may be given.
-    pub(super) fn ways(self) -> &'static str {
+    /// The keys by which a segment may be given, for errors.
+    pub(super) fn segment_keys(self) -> &'static str {
         match self {
             Body::Wheels(_) => "v_m_s with omega_deg_s, or left_m_s with right_m_s",
             Body::Legs(_) => "v_m_s, sideways_m_s and omega_deg_s",
@@ -101,7 +101,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Whether it can move like this by itself.
+    /// Whether this drive can move with a velocity.
     ///
     /// # Errors
     /// [`loc_core::Error::ImpossibleMotion`] for a car that is to turn on the spot.
@@ -177,8 +177,6 @@ fn disturbed<R: Rng + ?Sized>(
     }
 }
 
-// A car: driven behind, steered in front (E3), with an encoder on its steering (B2).
-
 /// A car and what its odometry gets wrong.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -214,14 +212,12 @@ pub(in crate::source::drive) struct AckermannOdometry {
 impl AckermannOdometry {
     fn measure<R: Rng + ?Sized>(&mut self, twist: Twist2, dt: f64, rng: &mut R) -> Twist2 {
         let felt = Twist2 { vy: 0.0, ..disturbed(&self.noise, twist, dt, rng) };
-        // A car that stands has no steering angle that its motion would tell.
+        // The steering angle of a car at rest does not follow from its motion.
         let Ok((speed, steering)) = self.kinematics.wheels(felt) else { return felt };
         let count = self.encoder.measure(steering, rng);
         self.kinematics.twist(speed, self.encoder.angle(count))
     }
 }
-
-// Four wheels with rollers, which carry a robot in every direction (E4).
 
 /// A Mecanum drive and what its odometry gets wrong.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -21,8 +21,8 @@ use loc_sensors::landmark_camera::{LandmarkCamera, ObservedKind};
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// A robot in simulation. It drives exact arcs; its odometry and its camera see them with errors,
-/// each from a random stream of its own.
+/// A simulated robot. It drives exact arcs; odometry and camera measure with errors, each from its
+/// own random stream.
 #[derive(Debug)]
 pub struct SimulatedDrive {
     setup: Setup,
@@ -100,7 +100,7 @@ impl SimulatedDrive {
         self.step as f64 * self.dt
     }
 
-    /// Drives one step; the odometry reports it when it is over.
+    /// Drives one step; the odometry reports it at its end.
     fn drive(&mut self, twist: Twist2) {
         let stamp = self.stamp();
         self.pose = Integration::ExactArc.step(self.pose, twist, self.dt);
@@ -140,7 +140,7 @@ impl Source for SimulatedDrive {
     fn next_event(&mut self) -> Result<Option<Event>> {
         loop {
             let ended = self.step == self.course.len();
-            // What the next step brings arrives after now.
+            // Events of the next step arrive later.
             let known_until = if ended { f64::INFINITY } else { self.stamp() + 0.5 * self.dt };
             if let Some(event) = self.queue.pop(known_until) {
                 return Ok(Some(event));
@@ -152,8 +152,6 @@ impl Source for SimulatedDrive {
         }
     }
 }
-
-// The configuration of a simulated robot in the plane.
 
 /// A robot that drives a course among landmarks.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -341,7 +339,7 @@ impl DriveConfig {
                 let omega = omega_deg_s.unwrap_or(0.0).to_radians();
                 Twist2::new(v_m_s.unwrap_or(0.0), sideways_m_s.unwrap_or(0.0), omega)
             }
-            _ => return Err(field("drive.course", body.ways(), &format!("{segment:?}"))),
+            _ => return Err(field("drive.course", body.segment_keys(), &format!("{segment:?}"))),
         };
         finite("drive.course: speed [m/s]", twist.vx)?;
         finite("drive.course: speed to the left [m/s]", twist.vy)?;
@@ -350,7 +348,7 @@ impl DriveConfig {
         Ok(twist)
     }
 
-    /// What the robot stands on.
+    /// The drive of the robot.
     ///
     /// # Errors
     /// [`crate::Error::Config`] unless it is one thing.
@@ -358,7 +356,7 @@ impl DriveConfig {
         Body::of(self)
     }
 
-    /// The landmarks as a map, and the floor that they stand on, where it is known.
+    /// The landmarks as a map, and the grid map of their world, where there is one.
     ///
     /// # Errors
     /// [`loc_maps::Error`] for a number that occurs twice, [`crate::Error::Config`] for landmarks
@@ -375,7 +373,7 @@ impl DriveConfig {
         Ok((world.landmarks, Some(world.grid)))
     }
 
-    /// What the methods are told unless a filter section says otherwise: the truth.
+    /// The default settings of the methods: the true noise.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].

@@ -3,7 +3,7 @@
 //! `*_bearing_range.csv` holds (step, time, landmark, range, yaw, pitch, deviations),
 //! `*_odometry.csv` the motion (x, y, phi) that leads to each step, `*_ground_truth.txt` the
 //! landmarks (x, y, z, .., number) and `*_ground_truth_robot_path.txt` a true pose
-//! (x, y, z, yaw, pitch, roll) for each step. Steps have no times: each is taken for a second.
+//! (x, y, z, yaw, pitch, roll) for each step. Steps have no times: each counts as 1 s.
 
 use super::{LandmarkRecording, Parts, observations, odometry};
 use crate::source::text::{distance, not_empty, whole};
@@ -16,13 +16,13 @@ use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// How the name of the file with the observations ends.
+/// Ending of the name of the file with the observations.
 const OBSERVATIONS: &str = "_bearing_range.csv";
 
 /// The column with the number of the landmark.
 const NUMBER: &str = "landmark_id(-1=unknown)";
 
-/// What stands for a landmark without a number.
+/// The number of an unknown landmark.
 const UNKNOWN: &str = "-1";
 
 /// The file with the observations: the given one, or the one in the given folder.
@@ -41,9 +41,9 @@ pub fn is_kf_slam_demo(path: &Path) -> bool {
 }
 
 impl LandmarkRecording {
-    /// Opens the recording from its folder or from its file of observations. Without a file of true
-    /// landmarks, or of the true path, nothing is known of these. `sigmas` tell how well the start
-    /// is known, over (x, y, heading) \[m, m, rad\].
+    /// Opens the recording from its folder or from its file of observations. Without the
+    /// files of true landmarks, or of the true path, these are unknown. `sigmas` are the standard
+    /// deviations of the start over (x, y, heading) \[m, m, rad\].
     ///
     /// # Errors
     /// [`loc_core::Error`] with file, line and column; [`Error::Recording`] for another folder.
@@ -149,7 +149,7 @@ fn read_path(file: &Path) -> Result<Vec<Pose2>> {
         return Ok(Vec::new());
     }
     let text = std::fs::read_to_string(file).map_err(loc_core::Error::io(file))?;
-    // MRPT writes its comments as Matlab does.
+    // Comments begin with %.
     let without = |line: &str| if line.starts_with('%') { String::new() } else { line.to_owned() };
     let lines: Vec<String> = text.lines().map(without).collect();
     let columns = ["x", "y", "z", "yaw", "pitch", "roll"];

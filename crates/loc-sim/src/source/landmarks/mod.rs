@@ -1,7 +1,8 @@
-//! Recordings of a robot that sees landmarks, for drawing maps of them.
+//! Recordings of a robot that observes landmarks, for SLAM.
 //!
-//! What a map of the recording says about landmarks goes into the [`Setup`], to be compared with
-//! in the end; methods of SLAM are not told.
+//! The true landmarks of a recording go into the [`Setup`] for evaluation; methods of SLAM do not use
+//! them. [`LandmarkRecording::course`] reads the landmark course of the Freiburg lectures,
+//! [`kf_slam_demo`] the demonstration of MRPT, [`victoria_park`] the car in a park.
 
 pub mod kf_slam_demo;
 pub mod victoria_park;
@@ -21,7 +22,7 @@ use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A recording of odometry and sighted landmarks.
+/// A recording of odometry and observations of landmarks.
 #[derive(Debug)]
 pub struct LandmarkRecording {
     setup: Setup,
@@ -35,7 +36,7 @@ pub struct LandmarkRecording {
 /// The parts of a recording, read from its files.
 struct Parts {
     name: String,
-    /// Where the landmarks really are; empty where nobody knows.
+    /// The true landmarks; empty where unknown.
     landmarks: LandmarkMap,
     events: Vec<Event>,
     start: Pose2,
@@ -46,7 +47,7 @@ struct Parts {
 }
 
 impl LandmarkRecording {
-    /// `sigmas` tell how well the start pose is known, over (x, y, heading) \[m, m, rad\].
+    /// `sigmas` are the standard deviations of the start over (x, y, heading) \[m, m, rad\].
     fn new(path: &Path, mut parts: Parts, sigmas: [f64; 3]) -> Result<Self> {
         parts.events.sort_by(Event::order);
         let stamps = || parts.events.iter().map(|event| event.stamp);
@@ -82,13 +83,20 @@ impl LandmarkRecording {
         })
     }
 
-    /// Where the sensor that sees landmarks sits on the robot, `base_from_camera`.
+    /// The camera's pose on the robot, `base_from_camera`.
     pub fn mounting(&self) -> Pose2 {
         self.mounting
     }
 
-    /// Opens a folder with the landmark course. Without `world.dat` nothing is known of the true
-    /// landmarks. `sigmas` tell how well the start is known, over (x, y, heading) \[m, m, rad\].
+    /// Opens a folder with the landmark course of the Freiburg lectures on robot mapping: a simulated
+    /// robot among nine numbered landmarks.
+    ///
+    /// `sensor_data.dat` holds lines `ODOMETRY rot1 trans rot2` (rotation, translation, rotation) and
+    /// `SENSOR id range bearing`; observations follow the motion before them. `world.dat` holds
+    /// `id x y` for each landmark. The robot starts at the origin. There are no times and no true
+    /// poses: a step counts as 1 s. Without `world.dat` the true landmarks are
+    /// unknown. `sigmas` are the standard deviations of the start over (x, y, heading)
+    /// \[m, m, rad\].
     ///
     /// # Errors
     /// [`loc_core::Error`] with file, line and column.
@@ -174,14 +182,6 @@ fn observations(stamp: f64, seen: Vec<LandmarkObservation>) -> Event {
 fn folder_name(folder: &Path) -> String {
     folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned()
 }
-
-// The landmark course of the Freiburg lectures on robot mapping: a simulated robot among nine
-// numbered landmarks.
-//
-// `sensor_data.dat` holds lines `ODOMETRY rot1 trans rot2` (a turn, a way, a turn) and
-// `SENSOR id range bearing`; the observations below a motion were made after it. `world.dat` holds
-// `id x y` for each landmark. The robot starts at the origin. Neither times nor true poses were
-// recorded: a step is taken for a second.
 
 const LOG: &str = "sensor_data.dat";
 

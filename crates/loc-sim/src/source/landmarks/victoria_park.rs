@@ -1,14 +1,14 @@
 //! Victoria Park: a car among the trees of a park in Sydney (Guivant and Nebot, ACFR).
 //!
-//! Four kilometres in 26 minutes, with a laser that sees trunks, and now and then the GPS. Two
-//! readings of the trees exist. `gtsam_odometry.csv` (a motion from each of 6969 poses to the next)
-//! with `gtsam_landmark_obs.csv` holds 3640 observations of 151 trees that somebody has given numbers.
-//! `tree_detections.csv` holds everything that looked like a trunk in any of 7248 scans, without
-//! numbers, and much of it is none; its motion is `dead_reckoning.csv`, speed of the left rear
-//! wheel and angle of the steering at 40 Hz. `gps.csv` knows positions, with outages and jumps.
+//! Four kilometres in 26 minutes, with a laser that detects trunks, and sporadic GPS positions. Two
+//! sets of observations exist. `gtsam_odometry.csv` (a motion from each of 6969 poses to the next)
+//! with `gtsam_landmark_obs.csv` holds 3640 observations of 151 numbered trees.
+//! `tree_detections.csv` holds all trunk detections of 7248 scans, without numbers and with many false
+//! ones; its motion is `dead_reckoning.csv`, speed of the left rear
+//! wheel and angle of the steering at 40 Hz. `gps.csv` holds positions, with outages and jumps.
 //!
-//! The scans have no times. The trunks stand still exactly where the speed is 0 if the first scan
-//! is taken at 21.6 s and each of the others 0.2137 s after the one before (correlation 0.9 at the
+//! The scans have no times. The trunks are at rest exactly where the speed is 0 if the first scan is
+//! at 21.6 s and each of the others 0.2137 s after the one before (correlation 0.9 at the
 //! beginning, in the middle and at the end).
 
 use super::{LandmarkRecording, Parts, folder_name, observations, odometry};
@@ -26,27 +26,27 @@ use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
-/// From axle to axle \[m\].
+/// Wheelbase \[m\].
 const WHEELBASE: f64 = 2.83;
-/// From the middle of the rear axle to the wheel that is measured \[m\].
+/// Distance of the measured wheel from the middle of the rear axle \[m\].
 const HALF_AXLE: f64 = 0.76;
-/// The laser from the middle of the rear axle \[m\].
+/// The laser's pose from the middle of the rear axle \[m\].
 const LASER: Pose2 = Pose2 { x: 3.78, y: 0.5, theta: 0.0 };
-/// When the first scan was taken, and the time from one to the next \[s\].
+/// Time of the first scan, and time between two scans \[s\].
 const SCANS: (f64, f64) = (21.6, 0.2137);
-/// The least time between two poses, some of which have the same \[s\].
+/// Smallest time between two poses, some of which have equal stamps \[s\].
 const TICK: f64 = 1e-3;
-/// More scans than any recording has: 60 hours of them.
+/// Largest number of scans: 60 hours.
 const MAX_SCANS: u32 = 1_000_000;
-/// Of the first so many metres, GPS tells where the car starts \[m\].
-const FIRST_WAY: f64 = 100.0;
+/// Distance along which GPS determines the start pose \[m\].
+const FIRST_SEGMENT: f64 = 100.0;
 
-/// Which reading of the trees to use.
+/// Which observations of the trees to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trees {
-    /// Those with numbers.
+    /// Numbered trees.
     Numbered,
-    /// Whatever looked like a trunk.
+    /// All trunk detections, without numbers.
     Detected,
 }
 
@@ -56,8 +56,9 @@ pub fn is_victoria_park(folder: &Path) -> bool {
 }
 
 impl LandmarkRecording {
-    /// Opens a folder with the recording. The start is that which puts the first of odometry's way
-    /// on that of the GPS. `sigmas` tell how well it is known, over (x, y, heading) \[m, m, rad\].
+    /// Opens a folder with the recording. The start aligns the first part of the
+    /// odometry's path with the GPS. `sigmas` are its standard deviations over (x, y, heading)
+    /// \[m, m, rad\].
     ///
     /// # Errors
     /// [`loc_core::Error`] with file, line and column; [`Error::Recording`] where the parts do not
@@ -71,7 +72,7 @@ impl LandmarkRecording {
         let gps = read_gps(&folder.join("gps.csv"))?;
         let start = start_pose(&poses, &gps).ok_or_else(|| Error::Recording {
             path: folder.to_owned(),
-            expected: "positions of the GPS along the first way of the odometry".into(),
+            expected: "positions of the GPS along the first part of the odometry".into(),
             found: "none".into(),
         })?;
         let mut events: Vec<Event> =
@@ -150,7 +151,7 @@ fn read_detected(folder: &Path) -> Result<Motions> {
     let mut groups: BTreeMap<u32, Vec<LandmarkObservation>> = BTreeMap::new();
     for row in table.rows() {
         let row = row?;
-        // Directions are counted from the right of the car.
+        // Bearings are counted from the right of the car.
         let sight = Observed::RangeBearing {
             range: distance(&row, "range_m")?,
             bearing: row.number("bearing_rad")? - FRAC_PI_2,
@@ -171,7 +172,7 @@ fn read_detected(folder: &Path) -> Result<Motions> {
     Ok((poses, events.collect()))
 }
 
-/// Where dead reckoning leads at each of the stamps, from the origin.
+/// Dead reckoning at each of the stamps, from the origin.
 fn dead_reckoned(file: &Path, stamps: &[f64]) -> Result<Vec<Stamped<Pose2>>> {
     let table = Table::read(file, &["time_s", "speed_mps", "steering_rad"])?;
     let car = Ackermann::new(WHEELBASE)?;
@@ -215,13 +216,13 @@ fn read_gps(file: &Path) -> Result<Vec<Stamped<Pose2>>> {
     Ok(fixes)
 }
 
-/// The pose from which the first of odometry's way lies on that of the GPS.
+/// The pose that aligns the first part of the odometry's path with the GPS.
 fn start_pose(poses: &[Stamped<Pose2>], gps: &[Stamped<Pose2>]) -> Option<Pose2> {
     let mut way = 0.0;
     let mut pairs = Vec::new();
     for pair in poses.windows(2) {
         way += pair[0].value.distance(pair[1].value);
-        if way > FIRST_WAY {
+        if way > FIRST_SEGMENT {
             break;
         }
         let during =

@@ -165,6 +165,43 @@ pub struct ReplayOptions {
     pub reference: Option<Reference>,
 }
 
+/// Which scans of a log to use, counted from 0 over all that it holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Scans {
+    /// Every scan.
+    #[default]
+    All,
+    /// 1, 3, 5, ..
+    Odd,
+    /// 0, 2, 4, ..
+    Even,
+}
+
+impl Scans {
+    /// Whether scan `index` is used.
+    pub fn takes(self, index: usize) -> bool {
+        match self {
+            Scans::All => true,
+            Scans::Odd => index % 2 == 1,
+            Scans::Even => index.is_multiple_of(2),
+        }
+    }
+}
+
+/// Where the robot starts.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Start {
+    /// At the reference.
+    #[default]
+    Reference,
+    /// At this pose in the map, with the first scan that is used.
+    At(Pose2),
+    /// Unknown for methods that search the whole map; others start at the reference or, without
+    /// one, at the pose of the odometry.
+    Anywhere,
+}
+
 /// A log as a stream of events. It starts at the first scan that is used; earlier messages are
 /// skipped.
 #[derive(Debug)]
@@ -237,26 +274,6 @@ impl Source for LaserRecording {
     }
 }
 
-pub(super) fn belief(pose: Pose2, sigmas: [f64; 3]) -> Result<Gaussian<3>> {
-    for (what, sigma) in
-        ["sigma of the start [m]", "sigma of the start [m]", "sigma [rad]"].into_iter().zip(sigmas)
-    {
-        loc_core::error::non_negative(what, sigma)?;
-    }
-    Ok(loc_core::gaussian::pose_belief(pose, sigmas))
-}
-
-/// The file's name without `.log` and `.gz`.
-fn name(path: &Path) -> String {
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let name = name.strip_suffix(".gz").unwrap_or(&name);
-    name.strip_suffix(".log").unwrap_or(name).to_owned()
-}
-
-fn unsuitable(log: &LaserLog, expected: impl Into<String>, found: impl Into<String>) -> Error {
-    Error::Recording { path: log.path.clone(), expected: expected.into(), found: found.into() }
-}
-
 /// Makes the stamps of a log ascending. Where most scans do not have a later stamp than the scan
 /// before, all stamps are replaced by the number of the scan, 1 s apart; a single stamp that goes
 /// backwards is set to that of the message before.
@@ -265,7 +282,7 @@ fn repair_stamps(log: &mut LaserLog) {
     let stuck = stamps.windows(2).filter(|pair| pair[1] <= pair[0]).count();
     if 2 * stuck > stamps.len().saturating_sub(1) {
         number_scans(&mut log.entries);
-        log.notes.push("its stamps are of no use: scans are taken as 1 s apart".into());
+        log.notes.push("its stamps do not ascend: scans are taken as 1 s apart".into());
         return;
     }
     let (mut last, mut backwards) = (f64::NEG_INFINITY, 0);
@@ -287,30 +304,6 @@ fn number_scans(entries: &mut [Entry]) {
     for entry in entries {
         scans += u32::from(entry.has_scan());
         entry.stamp = f64::from(scans.saturating_sub(1));
-    }
-}
-
-/// Which scans of a log to use, counted from 0 over all that it holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Scans {
-    /// Every scan.
-    #[default]
-    All,
-    /// 1, 3, 5, ..
-    Odd,
-    /// 0, 2, 4, ..
-    Even,
-}
-
-impl Scans {
-    /// Whether scan `index` is used.
-    pub fn takes(self, index: usize) -> bool {
-        match self {
-            Scans::All => true,
-            Scans::Odd => index % 2 == 1,
-            Scans::Even => index.is_multiple_of(2),
-        }
     }
 }
 
@@ -338,19 +331,6 @@ fn select_scans(log: &mut LaserLog, scans: Scans) -> Result<()> {
 fn start_at_first_scan(log: &mut LaserLog) {
     let first = log.entries.iter().position(Entry::has_scan).unwrap_or(0);
     log.entries.drain(..first);
-}
-
-/// Where the robot starts.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Start {
-    /// At the reference.
-    #[default]
-    Reference,
-    /// At this pose in the map, with the first scan that is used.
-    At(Pose2),
-    /// Unknown for methods that search the whole map; others start at the reference or, without
-    /// one, at the pose of the odometry.
-    Anywhere,
 }
 
 /// The pose at the first scan, and whether it is known.
@@ -456,4 +436,25 @@ fn cut_out(entries: &mut Vec<Entry>, cut: usize, resume: usize) {
             }
         }
     }
+}
+
+/// The initial pose distribution.
+pub(super) fn belief(pose: Pose2, sigmas: [f64; 3]) -> Result<Gaussian<3>> {
+    for (what, sigma) in
+        ["sigma of the start [m]", "sigma of the start [m]", "sigma [rad]"].into_iter().zip(sigmas)
+    {
+        loc_core::error::non_negative(what, sigma)?;
+    }
+    Ok(loc_core::gaussian::pose_belief(pose, sigmas))
+}
+
+/// The file's name without `.log` and `.gz`.
+fn name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    name.strip_suffix(".log").unwrap_or(name).to_owned()
+}
+
+fn unsuitable(log: &LaserLog, expected: impl Into<String>, found: impl Into<String>) -> Error {
+    Error::Recording { path: log.path.clone(), expected: expected.into(), found: found.into() }
 }

@@ -225,7 +225,7 @@ impl OutdoorConfig {
         Ok(LandmarkMap::new(self.landmarks.iter().map(planar))?)
     }
 
-    /// What the methods among landmarks are told: the truth.
+    /// The default settings of the landmark methods: the true noise.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
@@ -243,7 +243,7 @@ impl OutdoorConfig {
         Ok(settings)
     }
 
-    /// What `fusion` is told of the sensors: how they err, not by how much they do.
+    /// The settings of `fusion`: the true noise, but not the true systematic errors.
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].

@@ -1,4 +1,4 @@
-//! A simulated robot outdoors, with sensors that each have their own pace and fall silent.
+//! A simulated robot outdoors, with sensors of different rates that have outages.
 
 mod config;
 
@@ -25,13 +25,13 @@ use std::sync::Arc;
 /// Time between two true poses \[s\].
 const TRUTH_EVERY: f64 = 0.1;
 
-/// A robot in simulation. Its velocity changes as fast as its motors can; it drives arcs.
+/// A simulated robot with limited accelerations. It drives arcs.
 #[derive(Debug)]
 pub struct SimulatedOutdoor {
     setup: Setup,
-    /// The velocity to reach, at each step.
+    /// The target velocity of each step.
     course: Vec<Twist2>,
-    /// The most that the velocity changes in a step.
+    /// Largest change of the velocity in a step.
     most: Twist2,
     moment: Moment,
     sensors: Sensors,
@@ -124,7 +124,7 @@ impl Source for SimulatedOutdoor {
     fn next_event(&mut self) -> Result<Option<Event>> {
         loop {
             let ended = self.moment.step == self.course.len();
-            // What the next step brings arrives after now.
+            // Events of the next step arrive later.
             let now = self.moment.stamp() + 0.5 * self.moment.dt;
             if let Some(event) = self.queue.pop(if ended { f64::INFINITY } else { now }) {
                 return Ok(Some(event));
@@ -141,9 +141,7 @@ impl Source for SimulatedOutdoor {
     }
 }
 
-// The sensors of the robot, each with a random stream of its own.
-
-/// Time between two notes of the true errors \[s\].
+/// Sample time of the true errors \[s\].
 const NOTE_EVERY: f64 = 0.5;
 
 /// The true motion at the end of a step.
@@ -163,7 +161,7 @@ impl Moment {
     }
 }
 
-/// A sensor with its pace and the times at which it is silent.
+/// A sensor with its rate and its outages.
 #[derive(Debug)]
 struct Timed<S> {
     sensor: S,
@@ -185,7 +183,7 @@ impl<S> Timed<S> {
 #[derive(Debug)]
 struct Wheels {
     odometry: WheelOdometry,
-    /// Way and turn since the last reading.
+    /// Distance and turn since the last measurement.
     way: f64,
     turn: f64,
 }
@@ -286,7 +284,7 @@ impl Sensors {
         })
     }
 
-    /// What the sensors tell at the end of a step that was driven at the velocity `mean`.
+    /// The measurements at the end of a step that was driven at the velocity `mean`.
     fn measure(
         &mut self,
         now: &Moment,
@@ -371,7 +369,7 @@ impl Sensors {
     }
 }
 
-/// The wheels report the mean velocity since the last reading, when the time is over.
+/// The wheels report the mean velocity since the last measurement, at the end of their period.
 fn turn_wheels(
     wheels: &mut Timed<Wheels>,
     now: &Moment,

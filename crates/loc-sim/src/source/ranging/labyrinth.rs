@@ -4,8 +4,8 @@
 //! `*_Input.txt` holds lines `range2` (time, range, variance, anchor x, y, number, signal) and
 //! `odom2diff` (time, speeds of the two wheels and sideways, half the track, variances);
 //! `*_GT.txt` lines `point2` (time, x, y, covariance). The description names the right wheel first
-//! and calls the last of the lengths the distance between the wheels; against the true path only
-//! the left wheel first and half that distance fit. No true heading was recorded.
+//! and calls the last of the lengths the distance between the wheels; only the left wheel
+//! first and half that distance agree with the true path. No true heading was recorded.
 
 use super::{Parts, RangeRecording, RangingStart, range_event};
 use crate::source::text::{distance, not_empty, stamp_after, whole};
@@ -19,7 +19,7 @@ use loc_sensors::event::{Control, Event, Payload, Truth};
 use nalgebra::Point2;
 use std::path::{Path, PathBuf};
 
-/// Of the first so many metres the direction tells the heading at the start \[m\].
+/// Distance along which the direction determines the start heading \[m\].
 const FIRST_SEGMENT: f64 = 0.3;
 
 /// The file with the sensors' lines in a folder of this kind.
@@ -54,8 +54,8 @@ impl RangeRecording {
         let velocities = read_odometry(&input)?;
         let positions = read_truth(&truth)?;
         let pose = start_pose(&positions, &velocities);
-        let control = |leg: &Stamped<Twist2>| {
-            Event::now(leg.stamp, Payload::Control(Control::Velocity(leg.value)))
+        let control = |control: &Stamped<Twist2>| {
+            Event::now(control.stamp, Payload::Control(Control::Velocity(control.value)))
         };
         let seen = |point: &Stamped<Point2<f64>>| {
             let pose = Pose2::new(point.value.x, point.value.y, 0.0);
@@ -72,7 +72,8 @@ impl RangeRecording {
             truth_has_heading: false,
             range_sigma,
             notes: vec![
-                "no true heading is known: errors are of the position, an honest NEES is 2".into(),
+                "no true heading is known: errors are of the position, a consistent NEES is 2"
+                    .into(),
             ],
         };
         RangeRecording::new(folder, parts, start)
@@ -150,26 +151,27 @@ fn read_truth(file: &Path) -> Result<Vec<Stamped<Point2<f64>>>> {
     Ok(positions)
 }
 
-/// The first true position, with the heading that carries odometry the way of the truth: the
-/// directions of the first way are compared.
+/// The first true position, with the heading that aligns the odometry with the truth: the
+/// directions of the first segment are compared.
 fn start_pose(positions: &[Stamped<Point2<f64>>], velocities: &[Stamped<Twist2>]) -> Pose2 {
     let Some(first) = positions.first() else { return Pose2::IDENTITY };
     let moved = positions.iter().map(|p| (p.stamp, p.value - first.value));
-    let heading = moved.filter(|(_, way)| way.norm() >= FIRST_SEGMENT).find_map(|(stamp, way)| {
-        let driven = dead_reckoned(velocities, stamp).position();
-        let far = driven.coords.norm() >= 0.5 * FIRST_SEGMENT;
-        far.then(|| angle::difference(way.y.atan2(way.x), driven.y.atan2(driven.x)))
-    });
+    let heading =
+        moved.filter(|(_, moved)| moved.norm() >= FIRST_SEGMENT).find_map(|(stamp, moved)| {
+            let odometry = dead_reckoned(velocities, stamp).position();
+            let far = odometry.coords.norm() >= 0.5 * FIRST_SEGMENT;
+            far.then(|| angle::difference(moved.y.atan2(moved.x), odometry.y.atan2(odometry.x)))
+        });
     Pose2::new(first.value.x, first.value.y, heading.unwrap_or(0.0))
 }
 
-/// Where odometry alone leads from the origin.
+/// Dead reckoning from the origin.
 fn dead_reckoned(velocities: &[Stamped<Twist2>], until: f64) -> Pose2 {
     let mut pose = Pose2::IDENTITY;
-    for (k, leg) in velocities.iter().enumerate() {
+    for (k, control) in velocities.iter().enumerate() {
         let end = velocities.get(k + 1).map_or(until, |next| next.stamp.min(until));
-        if end > leg.stamp {
-            pose = Integration::ExactArc.step(pose, leg.value, end - leg.stamp);
+        if end > control.stamp {
+            pose = Integration::ExactArc.step(pose, control.value, end - control.stamp);
         }
     }
     pose

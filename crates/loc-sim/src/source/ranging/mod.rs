@@ -13,16 +13,16 @@ use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed}
 use std::path::Path;
 use std::sync::Arc;
 
-/// What is known of the start of such a recording.
+/// The start of such a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RangingStart {
-    /// The start pose, where the user says it; else that of the reference.
+    /// The start pose; that of the reference if `None`.
     pub pose: Option<Pose2>,
-    /// How well it is known: standard deviations of (x, y, heading) \[m, m, rad\].
+    /// Its standard deviations over (x, y, heading) \[m, m, rad\].
     pub sigmas: [f64; 3],
 }
 
-/// A recording of ranges to beacons whose places are known.
+/// A recording of ranges to beacons at known positions.
 #[derive(Debug)]
 pub struct RangeRecording {
     setup: Setup,
@@ -37,10 +37,10 @@ struct Parts {
     name: String,
     beacons: LandmarkMap,
     events: Vec<Event>,
-    /// Where the reference starts.
+    /// The first pose of the reference.
     start: Pose2,
     truth_has_heading: bool,
-    /// What the data sheet says.
+    /// From the data sheet.
     range_sigma: f64,
     notes: Vec<String>,
 }
@@ -79,7 +79,7 @@ impl RangeRecording {
         })
     }
 
-    /// How far ranges are off by the data sheet of the radios.
+    /// Noise of the ranges by the data sheet of the radios.
     pub fn noise(&self) -> LandmarkNoise {
         self.noise
     }

@@ -1,10 +1,10 @@
 //! The Plaza recordings of CMU: a lawn mower among four radio beacons.
 //!
 //! A folder holds for each drive k `plazak_ranges.csv` (time, antenna, beacon, range),
-//! `plazak_odometry.csv` (time, way and turn since the line above), `plazak_beacons.csv` (number,
+//! `plazak_odometry.csv` (time, distance and turn since the line above), `plazak_beacons.csv` (number,
 //! x, y) and `plazak_groundtruth.csv` (time, x, y, heading). Ranges are about 7 % too long. The
-//! reference takes its positions from RTK GPS but its headings from the odometry, so that heading
-//! errors tell how far a method departs from odometry.
+//! reference takes its positions from RTK GPS but its headings from the odometry, so heading
+//! errors are the deviation of a method from odometry.
 
 use super::{Parts, RangeRecording, RangingStart, range_event};
 use crate::source::text::{distance, not_empty, stamp_after, whole};
@@ -15,7 +15,7 @@ use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::event::{Control, Event, Payload, Truth};
 use std::path::Path;
 
-/// What the radios' ranges scatter by once their bias is out \[m\].
+/// Standard deviation of the radios' ranges without their bias \[m\].
 const RANGE_SIGMA: f64 = 0.5;
 
 /// Whether a folder looks like these recordings.
@@ -84,7 +84,7 @@ fn read_beacons(file: &Path) -> Result<LandmarkMap> {
     Ok(LandmarkMap::new(beacons)?)
 }
 
-/// Ranges as they stand, and how many of them stand behind later ones.
+/// The ranges in file order, and the number of those out of order.
 fn read_ranges(file: &Path) -> Result<(Vec<Event>, usize)> {
     let table = Table::read(file, &["time_s", "antenna_id", "beacon_id", "range_m"])?;
     let (mut events, mut late, mut latest) = (Vec::new(), 0, f64::NEG_INFINITY);
@@ -99,7 +99,7 @@ fn read_ranges(file: &Path) -> Result<(Vec<Event>, usize)> {
     Ok((events, late))
 }
 
-/// Velocities that lead from one line to the next; known at the end of each.
+/// Velocities from one line to the next, each known at its end.
 fn read_odometry(file: &Path, begin: f64) -> Result<Vec<Event>> {
     let table = Table::read(file, &["time_s", "delta_distance_m", "delta_heading_rad"])?;
     let (mut events, mut before, mut last) = (Vec::new(), begin, f64::NEG_INFINITY);
@@ -116,7 +116,7 @@ fn read_odometry(file: &Path, begin: f64) -> Result<Vec<Event>> {
         }
     }
     not_empty(events.is_empty(), file, "odometry")?;
-    // After the last line the robot stands.
+    // After the last line the robot is at rest.
     let payload = Payload::Control(Control::Velocity(Twist2::ZERO));
     events.push(Event::now(before, payload));
     Ok(events)

@@ -1,11 +1,11 @@
 //! A simulated robot with a laser that drives a tour through a building.
 //!
-//! It goes from place to place along ways that keep it off the walls. Its wheels add up noisy
-//! readings to the continuous pose of its odometry; its laser sees the walls, and whoever stands
-//! before them. It may be carried off without noticing ([`KidnapConfig`]).
+//! It drives from one target to the next along planned paths that keep off the walls. Its noisy
+//! wheel motion is integrated to the continuous pose of its odometry; its laser measures the walls
+//! and the people in front of them. It may be kidnapped ([`KidnapConfig`]).
 //!
-//! Tour, wheels, laser and people draw from random streams of their own: a run with people, or
-//! with another laser, drives the same tour.
+//! Tour, wheels, laser and people have random streams of their own: a run with people, or with
+//! another laser, drives the same tour.
 
 mod config;
 mod world;
@@ -37,12 +37,12 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use world::{Driver, Roads};
 
-/// A robot is carried at least this far, where the building is large enough \[m\].
+/// Smallest distance of a kidnapping, where the building is large enough \[m\].
 const CARRIED: f64 = 5.0;
-/// How often a place is drawn anew that does not suit.
+/// Attempts to draw a suitable position.
 const TRIES: usize = 100;
 
-/// The robot in simulation.
+/// The simulated robot.
 #[derive(Debug)]
 pub struct SimulatedTour {
     setup: Setup,
@@ -58,7 +58,7 @@ pub struct SimulatedTour {
     twist: Twist2,
     wheels: WheelOdometry,
     wheel_rng: ChaCha8Rng,
-    /// What the wheels add up to.
+    /// The pose of the odometry.
     odometry: Pose2,
     scanner: LaserScanner,
     scan_every: usize,
@@ -127,7 +127,7 @@ impl SimulatedTour {
         self.step as f64 * self.dt
     }
 
-    /// Drives one step; the wheels and the laser report when it is over.
+    /// Drives one step; wheels and laser report at its end.
     fn drive(&mut self) {
         if self.driver.has_arrived(self.pose) {
             let way = self.next_stop().and_then(|to| self.roads.way(self.pose.position(), to));
@@ -148,7 +148,7 @@ impl SimulatedTour {
         self.tell();
     }
 
-    /// The stops in turn, or any place.
+    /// The next target: the configured ones in turn, or a random one.
     fn next_stop(&mut self) -> Option<Point2<f64>> {
         if self.stops.is_empty() {
             return Some(self.roads.draw(&mut self.tour_rng));
@@ -157,7 +157,7 @@ impl SimulatedTour {
         self.stops.back().copied()
     }
 
-    /// What became known at this moment: odometry, then the scan and the landmarks, then the truth.
+    /// The events of this time: odometry, then scan and landmarks, then the truth.
     fn tell(&mut self) {
         let stamp = self.stamp();
         let mut tell = |payload| self.waiting.push_back(Event::now(stamp, payload));
@@ -209,17 +209,17 @@ fn setup(
         end: config.duration_s,
         start_belief,
         rail: None,
-        // Without a camera, landmarks are of no use to anybody.
+        // Without a camera, landmarks are not used.
         landmarks: if config.camera.is_some() { world.landmarks.clone() } else { Arc::default() },
         map: Some(world.grid.clone()),
-        // Its walls are cells; the laser sees their outline.
+        // Its walls are cells; the laser measures their outline.
         lines: Some(Arc::new(LineMap::outline(&world.grid)?)),
         has_laser: true,
         kidnapped_at: config.kidnap.map(|kidnap| kidnap.at_s),
     })
 }
 
-/// A pose that somebody named, at the nearest place with room for the robot.
+/// A configured pose, moved to the nearest position with room for the robot.
 fn on_roads(roads: &Roads, key: &str, named: &PoseConfig) -> Result<Pose2> {
     let pose = named.pose();
     let place = roads.nearest(key, pose.position())?;
@@ -231,7 +231,7 @@ fn draw_pose(roads: &Roads, rng: &mut ChaCha8Rng) -> Pose2 {
     Pose2::new(place.x, place.y, PI * (2.0 * rng.random::<f64>() - 1.0))
 }
 
-/// A robot that will be carried off.
+/// A future kidnapping.
 #[derive(Debug)]
 struct Kidnap {
     /// At the end of this step.
@@ -253,7 +253,7 @@ impl Kidnap {
         Ok(Some(Kidnap { step, to, rng: stream(seed, "kidnap") }))
     }
 
-    /// Where a robot at `pose` is carried to.
+    /// The pose after the kidnapping of a robot at `pose`.
     fn target(&mut self, roads: &Roads, pose: Pose2) -> Pose2 {
         self.to.unwrap_or_else(|| {
             let draws = (0..TRIES).map(|_| draw_pose(roads, &mut self.rng));
@@ -263,8 +263,6 @@ impl Kidnap {
         })
     }
 }
-
-// A laser scanner, in the units of configuration files.
 
 /// A laser scanner on a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -331,8 +329,6 @@ impl LaserConfig {
         Ok(scanner)
     }
 }
-
-// The camera that sees the landmarks of the building, as far as no wall is before them.
 
 /// A landmark hangs on a wall, hence within a cell or two of one \[m\].
 const ON_THE_WALL: f64 = 0.15;

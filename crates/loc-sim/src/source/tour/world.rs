@@ -1,4 +1,4 @@
-//! The building that a tour leads through, and what is asked of it.
+//! The building of a tour: its walls, the paths through it, and the driver that follows them.
 
 use crate::config::field;
 use crate::{Error, Result};
@@ -17,7 +17,7 @@ use std::collections::BinaryHeap;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Beyond this, more room makes no difference \[m\].
+/// Largest clearance that is computed \[m\].
 const WIDE: f64 = 3.0;
 
 /// A generated world, see [`loc_maps::worlds`].
@@ -110,28 +110,25 @@ impl TourWorld {
     }
 }
 
-// Where a robot can drive, and the way from one place to another.
-//
-// The map is looked at in squares of about 10 cm. Those with room for the robot are joined to
-// their eight neighbours; the largest part that hangs together is where tours lead. Ways are
-// found by A* (Hart, Nilsson and Raphael, 1968), and squares near walls cost more, so that they
-// lead through the middle of doors.
-
 /// Side of the squares \[m\], as far as the map's cells allow.
 const SQUARE: f64 = 0.1;
-/// With this much more room than the robot needs, more makes no difference \[m\].
+/// Clearance beyond the robot's radius from which on a square has no extra cost \[m\].
 const COMFORT: f64 = 0.4;
-/// How many times longer a way along a wall counts.
+/// Cost factor of a path along a wall.
 const RELUCTANCE: f64 = 4.0;
-/// A place that somebody names may lie this far from where the robot can be \[m\].
+/// Largest distance of a configured position from the free squares \[m\].
 const SNAP: f64 = 1.0;
 const DIAGONAL: f64 = std::f64::consts::SQRT_2;
 
-/// The squares that a robot can drive on.
+/// Path planning in squares of about 10 cm.
+///
+/// Squares with room for the robot are connected to their eight neighbours; tours use the largest
+/// connected part. Paths are found by A* (Hart, Nilsson and Raphael, 1968); squares near walls cost
+/// more, so that paths lead through the middle of doors.
 #[derive(Debug)]
 pub(super) struct Roads {
     frame: GridFrame,
-    /// Factor by which a way over a square counts; 0 where the robot does not fit.
+    /// Cost factor of a square; 0 where the robot does not fit.
     cost: Vec<f32>,
     /// The squares of the largest part.
     places: Vec<u32>,
@@ -159,12 +156,12 @@ impl Roads {
         Ok(roads)
     }
 
-    /// A place drawn evenly from the roads.
+    /// A random position on the roads, uniformly.
     pub(super) fn draw(&self, rng: &mut ChaCha8Rng) -> Point2<f64> {
         self.center(self.places[rng.random_range(0..self.places.len())])
     }
 
-    /// The nearest place on the roads.
+    /// The nearest position on the roads.
     ///
     /// # Errors
     /// [`crate::Error::Config`] where that is farther than 1 m.
@@ -178,7 +175,7 @@ impl Roads {
         })
     }
 
-    /// The cheapest way from one place on the roads to another, square by square; `None` where
+    /// The cheapest path from one position on the roads to another, square by square; `None` where
     /// one of them is not on the roads.
     pub(super) fn way(&self, from: Point2<f64>, to: Point2<f64>) -> Option<Vec<Point2<f64>>> {
         let (start, goal) = (self.square_at(from)?, self.square_at(to)?);
@@ -199,7 +196,7 @@ impl Roads {
                     best[next as usize] = cost;
                     came_from[next as usize] = square;
                     let estimate = f64::from(cost) + self.steps_between(next, goal);
-                    // Thousandths of a square are fine enough to order by.
+                    // A resolution of thousandths of a square is sufficient.
                     open.push(Reverse(((1e3 * estimate) as u32, next)));
                 }
             }
@@ -273,8 +270,7 @@ impl Roads {
         self.frame.to_map(column as f64 + 0.5, row as f64 + 0.5)
     }
 
-    /// The square of a point, or the nearest one with room: a robot that follows a way is never
-    /// exactly on it.
+    /// The square of a point, or the nearest one with room: a robot is never exactly on its path.
     fn square_at(&self, point: Point2<f64>) -> Option<u32> {
         let cell = self.frame.cell_at(&point)?;
         let square = self.frame.index(cell)? as u32;
@@ -286,19 +282,16 @@ impl Roads {
     }
 }
 
-// How a robot follows a way: it steers towards a point a little ahead on it (pure pursuit,
-// Coulter 1992), slows down in turns, and turns on the spot where the way leads elsewhere.
-
-/// How far ahead the robot looks \[m\].
+/// Look-ahead distance of pure pursuit \[m\].
 const AHEAD: f64 = 0.45;
-/// A way ends this far from its last point \[m\].
+/// Distance from the last point at which a path ends \[m\].
 const ARRIVED: f64 = 0.15;
-/// Where the way turns off by more than this, the robot turns on the spot \[rad\].
+/// Direction change above which the robot turns on the spot \[rad\].
 const TURN_FIRST: f64 = 0.9;
-/// Turn rate for each radian that the robot looks past its point \[1/s\].
+/// Turn rate per heading error towards the point \[1/s\].
 const STEERING: f64 = 2.5;
 
-/// What the robot can do.
+/// Limits of the robot's motion.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RobotConfig {
@@ -342,7 +335,8 @@ impl RobotConfig {
     }
 }
 
-/// A robot on its way.
+/// Follows a path: steers towards a point ahead on it (pure pursuit, Coulter 1992), slows down in
+/// turns, and turns on the spot where the path changes direction.
 #[derive(Debug)]
 pub(super) struct Driver {
     robot: RobotConfig,
@@ -353,23 +347,23 @@ pub(super) struct Driver {
 }
 
 impl Driver {
-    /// A robot that stands still.
+    /// A robot at rest.
     pub(super) fn new(robot: RobotConfig) -> Self {
         Driver { robot, way: Vec::new(), next: 0, twist: Twist2::ZERO }
     }
 
-    /// Sends the robot on a way.
+    /// Starts a path.
     pub(super) fn follow(&mut self, way: Vec<Point2<f64>>) {
         (self.way, self.next) = (way, 0);
     }
 
-    /// Stops at once: the robot has been lifted.
+    /// Stops at once, for a kidnapping.
     pub(super) fn stop(&mut self) {
         self.follow(Vec::new());
         self.twist = Twist2::ZERO;
     }
 
-    /// Whether a robot at `pose` is at the end of its way.
+    /// Whether a robot at `pose` is at the end of its path.
     pub(super) fn has_arrived(&self, pose: Pose2) -> bool {
         let left = self.way.last().map(|end| nalgebra::distance(end, &pose.position()));
         left.is_none_or(|left| left < ARRIVED)
@@ -388,13 +382,13 @@ impl Driver {
         );
         let after = Integration::ExactArc.step(pose, twist, dt);
         let [now, then] = [pose, after].map(|pose| world.clearance(&pose.position()));
-        // The brakes are better than the motors.
+        // It brakes faster than it accelerates.
         let blocked = then < 0.8 * self.robot.radius_m && then <= now;
         self.twist = if blocked { Twist2::forward(0.0, goal.omega) } else { twist };
         self.twist
     }
 
-    /// The velocity that leads to the way.
+    /// The target velocity towards the path.
     fn wanted(&mut self, pose: Pose2) -> Twist2 {
         let here = pose.position();
         let near = |point: &Point2<f64>| nalgebra::distance(point, &here) < AHEAD;

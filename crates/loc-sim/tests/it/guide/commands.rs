@@ -56,7 +56,7 @@ fn shell_words(command: &str) -> Vec<String> {
     words.into_iter().map(|word| if is_letter(&word) { "1".into() } else { word }).collect()
 }
 
-/// What is wrong with a command of `loc-sim`.
+/// The error of a command of `loc-sim`.
 fn wrong(words: &[String]) -> Option<String> {
     let arguments = std::iter::once("loc-sim").chain(words.iter().map(String::as_str));
     if let Err(error) = Cli::try_parse_from(arguments) {

@@ -88,7 +88,7 @@ fn a_kidnapping_shows_in_the_summary() {
     let figures = &kidnapped["methods"]["dead-reckoning"];
     assert!(figures["recovered_after_s"].is_null() && figures["converged_at_s"].is_null());
     assert!(figures["final_error_m"].as_f64().unwrap() > 4.0, "{figures}");
-    // The way on which it was carried does not count.
+    // The jump of the kidnapping does not count.
     let distance = |summary: &Value| summary["distance_m"].as_f64().unwrap();
     let shorter = distance(&summary(&folder, &odometry)) - distance(&kidnapped);
     assert!((4.9..5.6).contains(&shorter), "{shorter}");
@@ -194,7 +194,7 @@ fn run(text: &str, options: &ReplayOptions, global: bool) -> (Run, Summary) {
 }
 
 #[test]
-fn dead_reckoning_is_the_odometry_carried_into_the_map() {
+fn dead_reckoning_is_the_odometry_transformed_into_the_map() {
     let (run, summary) = run(&corrected(), &options(), false);
     let (truth, odometry) = (drive(), odometry(&drive()));
     for (k, estimate) in run.methods[0].estimates.iter().enumerate() {

@@ -60,12 +60,12 @@ fn the_odometry_of_a_scan_left_out_stays() {
 }
 
 #[test]
-fn stamps_that_do_not_rise_give_way_to_numbers() {
+fn stamps_that_do_not_ascend_are_replaced_by_numbers() {
     // As in Belgioioso: one stamp for all, and all odometry before all scans.
     let log = "ODOM 50 50 0 0 0 0 7 h 7\nFLASER 1 5 1 1 0 7 7 0 7 h 7\nFLASER 1 6 2 1 0 8 7 0 7 h 7\n\
                FLASER 1 6 3 1 0 9 7 0 7 h 7\n";
     let recording = open(log, &ReplayOptions::default()).unwrap();
-    assert_eq!(recording.notes(), ["its stamps are of no use: scans are taken as 1 s apart"]);
+    assert_eq!(recording.notes(), ["its stamps do not ascend: scans are taken as 1 s apart"]);
     assert_eq!(recording.setup().start_belief.pose(), Pose2::new(1.0, 1.0, 0.0));
     let stamps: Vec<f64> = events(recording).iter().map(|event| event.stamp).collect();
     assert_eq!(stamps, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0]);
@@ -114,7 +114,7 @@ fn a_reference_from_elsewhere_takes_the_place_of_the_logs_own() {
     let reference = Reference::parse(Path::new("r.csv"), text).unwrap();
     let options = ReplayOptions { reference: Some(reference), ..Default::default() };
     let recording = open(&corrected(), &options).unwrap();
-    // The reference of 51 s, carried back by the odometry of a second.
+    // The reference of 51 s, moved back by the odometry of a second.
     let odometry = odometry(&drive());
     let expected = Pose2::new(7.0, 8.0, 0.1) * odometry[2].between(odometry[0]);
     assert!(recording.setup().start_belief.pose().distance(expected) < 1e-9);
@@ -195,7 +195,7 @@ fn odometry_and_time_go_on_as_if_nothing_had_happened() {
 }
 
 #[test]
-fn without_a_reference_the_odometry_says_how_far() {
+fn without_a_reference_the_odometry_gives_the_distance() {
     let start = loc_sim::source::laser_log::Start::Anywhere;
     let options = ReplayOptions { start, ..kidnapped(5.0) };
     let recording = open(&uncorrected(), &options).unwrap();

@@ -93,7 +93,7 @@ fn end(child: Child) -> (Output, String) {
 }
 
 #[test]
-fn ctrl_c_finishes_what_has_begun_and_says_how_to_go_on() {
+fn ctrl_c_finishes_begun_runs_and_reports_how_to_continue() {
     let folder = TempDir::new().unwrap();
     let mut child = command(folder.path()).spawn().unwrap();
     wait_for(folder.path(), &mut child, 5);

@@ -94,7 +94,7 @@ fn a_line_that_is_damaged_elsewhere_is_an_error() {
 }
 
 #[test]
-fn the_journal_of_another_study_is_refused_and_says_how_to_go_on() {
+fn the_journal_of_another_study_is_refused_with_a_remedy() {
     let folder = TempDir::new().unwrap();
     let study = drive(2, &["filter.gate_probability=0.9,0.99"], &[Method::Ekf]);
     complete(&study, folder.path(), 1);
@@ -153,7 +153,7 @@ fn more_seeds_go_on_and_fewer_are_a_part() {
 
 /// A caller that says stop gets the runs that had begun, and nothing half.
 #[test]
-fn a_study_that_is_told_to_stop_keeps_what_is_done() {
+fn a_stopped_study_keeps_finished_runs() {
     let folder = TempDir::new().unwrap();
     let study = drive(200, &[], &[Method::Ekf]);
     let mut told = Vec::new();

@@ -234,7 +234,7 @@ fn groups_are_what_their_runs_are() {
     assert_eq!(group.successes, near);
     let wilson = stats::wilson_interval(near, 12, 0.95).unwrap();
     assert_eq!(group.success_interval, Some([*wilson.start(), *wilson.end()]));
-    // A gate that turns half of the good measurements away is noticed.
+    // A gate that rejects half of the good measurements is detected.
     let open = &results.groups[3];
     assert!(
         group.consistency.nis_per_degree < Some(0.6) && open.consistency.nis_per_degree > Some(0.8)
@@ -279,7 +279,7 @@ fn a_row_has_the_figures_of_the_summary() {
 }
 
 #[test]
-fn success_is_what_the_user_says() {
+fn success_is_defined_by_the_user() {
     let with = |success: &str| {
         let source = StudySource::named("landmark-drive", &[]).unwrap();
         let success = success.parse().unwrap();
