@@ -40,7 +40,7 @@ pub use topological::{TopologicalConfig, TopologicalTour};
 
 use crate::Result;
 use crate::output::Illustration;
-use crate::output::svg::{Chart, Role};
+use loc_plot::{Chart, Role};
 use serde::Deserialize;
 
 /// A demonstration and its numbers.

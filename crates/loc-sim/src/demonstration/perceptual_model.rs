@@ -6,11 +6,11 @@
 //! expectation maximization. What was put in is known, so that the fit can be held against it.
 
 use super::count;
-use crate::Result;
+use crate::output::Illustration;
 use crate::output::figures::FigureFile;
-use crate::output::{Illustration, perceptual};
 use crate::perceptual::{LearnSettings, Learned, learn};
 use crate::source::tour::{LaserConfig, TourWorld, WorldConfig};
+use crate::{Result, perceptual};
 use loc_core::Pose2;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_pf::sensor::BeamModelSettings;

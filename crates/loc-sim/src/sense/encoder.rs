@@ -4,8 +4,8 @@ use super::drive::{DriveSettings, Step, over_time, path};
 use super::station::rms;
 use super::{Place, Sensor, Station, Taken};
 use crate::Result;
-use crate::output::svg::{Chart, Figure, Role};
 use loc_core::kinematics::Ackermann;
+use loc_plot::{Chart, Figure, Role};
 use loc_sensors::encoder::{
     SteeringCount, SteeringEncoder, SteeringNoise, WheelEncoder, WheelTicks,
 };

@@ -4,7 +4,7 @@ use super::drive::{DriveSettings, Step, path};
 use super::station::rms;
 use super::{Place, Sensor, Station, Taken};
 use crate::Result;
-use crate::output::svg::{Chart, Figure, Role};
+use loc_plot::{Chart, Figure, Role};
 use loc_sensors::gnss::{Geodetic, Gnss, GnssFix, GnssNoise, LocalFrame, Outages};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};

@@ -1,12 +1,12 @@
 //! A scan out of a recording, with the lines that are found in it.
 
 use super::Reading;
-use crate::output::svg::{Role, Scene};
 use crate::output::{Folder, backdrop};
 use crate::source::carmen::CarmenLog;
 use crate::{Error, Result};
 use loc_core::Pose2;
 use loc_maps::grid::io;
+use loc_plot::{Role, Scene};
 use loc_sensors::features::{Line, LineExtractor};
 use loc_sensors::laser::LaserScan;
 use serde_json::json;

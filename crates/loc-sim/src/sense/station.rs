@@ -1,12 +1,12 @@
 //! Where a sensor stands with what settings, and what it brings back.
 
 use super::Place;
-use crate::Result;
-use crate::config;
-use crate::output::{Folder, backdrop, svg::Scene};
+use crate::output::{Folder, backdrop};
+use crate::{Result, config};
 use loc_core::error::finite;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
+use loc_plot::Scene;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;

@@ -4,9 +4,9 @@ use super::drive::{DriveSettings, Step, over_time, path};
 use super::station::rms;
 use super::{Place, Sensor, Station, Taken};
 use crate::Result;
-use crate::output::svg::{Chart, Figure, Role};
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::{Pose2, Twist2, angle};
+use loc_plot::{Chart, Figure, Role};
 use loc_sensors::wheel::{WheelFaults, WheelOdometry};
 use serde::{Deserialize, Serialize};
 

@@ -13,7 +13,6 @@ mod drives;
 #[cfg(feature = "cli")]
 mod eval;
 mod evo;
-mod figures;
 #[cfg(feature = "cli")]
 mod fit_beam;
 mod fusion;

@@ -2,7 +2,7 @@
 
 use super::{Course, Diversity};
 use crate::output::figures::FigureFile;
-use crate::output::svg::{Chart, Figure, Role, Style};
+use loc_plot::{Chart, Figure, Role, Style};
 
 pub(super) fn figure(diversity: &Diversity, title: &str) -> FigureFile {
     let config = &diversity.config;

@@ -3,7 +3,7 @@
 use super::super::bars;
 use super::{DoorCorridor, Step};
 use crate::output::figures::FigureFile;
-use crate::output::svg::{Chart, Figure, Role};
+use loc_plot::{Chart, Figure, Role};
 
 /// Room above the highest bar, as a share of it.
 const HEADROOM: f64 = 1.15;

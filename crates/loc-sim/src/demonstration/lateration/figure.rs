@@ -2,7 +2,7 @@
 
 use super::{Lateration, Room};
 use crate::output::figures::FigureFile;
-use crate::output::svg::{Frames, Role, Scene};
+use loc_plot::{Frames, Role, Scene};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 

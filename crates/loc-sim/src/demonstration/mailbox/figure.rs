@@ -3,7 +3,7 @@
 use super::super::bars;
 use super::{Flag, MailboxDiagnosis};
 use crate::output::figures::FigureFile;
-use crate::output::svg::{Chart, Figure, Role};
+use loc_plot::{Chart, Figure, Role};
 
 /// Width of a bar \[days\].
 const WIDTH: f64 = 0.36;

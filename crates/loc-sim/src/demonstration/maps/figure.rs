@@ -2,10 +2,9 @@
 
 use super::Maps;
 use crate::output::figures::FigureFile;
-use crate::output::png;
-use crate::output::svg::{Backdrop, Scene};
 use loc_maps::MapPicture;
 use loc_maps::grid::Cell;
+use loc_plot::{Backdrop, Scene};
 
 pub(super) fn figures(maps: &Maps) -> Vec<FigureFile> {
     let grid = &maps.world.grid;
@@ -52,13 +51,13 @@ fn field(maps: &Maps) -> FigureFile {
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let shade = |value: f64| (255.0 * (most - value) / (most - least).max(1e-12)).round() as u8;
-    let pixels: Vec<[u8; 3]> = values.into_iter().map(|value| [shade(value); 3]).collect();
+    let pixels = values.into_iter().map(|value| [shade(value); 3]).collect();
     let (width, height) = (columns as f64 * frame.resolution(), rows as f64 * frame.resolution());
     let origin = frame.origin();
     let backdrop = Backdrop {
         min: (origin.x, origin.y),
         max: (origin.x + width, origin.y + height),
-        data_uri: png::rgb(&pixels, columns),
+        data_uri: loc_plot::color::Image { width: columns, pixels }.data_uri(),
     };
     let scene = Scene::new("Likelihood field (C5)")
         .subtitle(format!("ln p of a beam's end, from {least:.2} (white) to {most:.2} (black)"))

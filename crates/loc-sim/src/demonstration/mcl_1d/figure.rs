@@ -2,7 +2,7 @@
 
 use super::{Mcl1d, Stage};
 use crate::output::figures::FigureFile;
-use crate::output::svg::{Chart, Figure, Role};
+use loc_plot::{Chart, Figure, Role};
 
 /// Half the width of a door \[m\].
 const HALF_DOOR: f64 = 0.5;

@@ -3,7 +3,7 @@
 use super::super::bars;
 use super::{Drawn, Sampling};
 use crate::output::figures::FigureFile;
-use crate::output::svg::{Chart, Figure, Role};
+use loc_plot::{Chart, Figure, Role};
 
 /// Bars over +-4 standard deviations.
 const BARS: usize = 48;

@@ -1,10 +1,10 @@
 //! Places in the colour of their probability, and how sure the robot is of the right one.
 
 use super::{Look, TopologicalTour, place_of};
-use crate::output::canvas::Canvas;
+use crate::output::Canvas;
 use crate::output::figures::FigureFile;
-use crate::output::ramp;
-use crate::output::svg::{Chart, Figure, Frames, Role, Scene};
+use loc_plot::color::LIKELIHOOD;
+use loc_plot::{Chart, Figure, Frames, Role, Scene, color};
 
 /// How many looks are shown.
 const FRAMES: usize = 9;
@@ -41,9 +41,10 @@ fn beliefs(tour: &TopologicalTour, title: &str) -> Option<FigureFile> {
     let ways: Vec<_> = ways.collect();
     let mut frames = Frames::new(title)
         .subtitle("each place in the colour of its probability")
-        .bar(ramp::bar(0.0, 1.0, "probability of a place"));
+        .bar(color::bar(&LIKELIHOOD, 0.0, 1.0, "probability of a place"));
     for look in choose(tour.looks.len()).map(|k| &tour.looks[k]) {
-        let image = canvas.paint(&tour.grid, |pixel, _| ramp::color(look.belief[places[pixel]]));
+        let image = canvas
+            .paint(&tour.grid, |pixel, _| color::along(&LIKELIHOOD, look.belief[places[pixel]]));
         let scene = Scene::new("")
             .backdrop(image)
             .segments(Role::Map.width(0.8), "ways of the map", ways.iter().copied())

@@ -1,14 +1,9 @@
 //! The figures of a run.
 
-mod clouds;
 mod errors;
-mod fusion;
-mod histogram;
-mod lines;
 mod map;
-mod moments;
+mod particles;
 mod rail;
-mod resampling;
 
 use crate::record::Run;
 use std::borrow::Cow;
@@ -54,11 +49,11 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
         return rail::all(run, title);
     }
     let mut figures = vec![map::map(run, title)];
-    figures.extend(lines::lines(run));
-    figures.extend(clouds::clouds(run));
-    figures.extend(resampling::resampling(run));
-    figures.extend(fusion::fusion(run));
-    figures.extend(histogram::histogram(run));
+    figures.extend(map::lines(run));
+    figures.extend(particles::clouds(run));
+    figures.extend(particles::resampling(run));
+    figures.extend(errors::fusion(run));
+    figures.extend(particles::histogram(run));
     if run.truth.is_empty() {
         return figures;
     }

@@ -3,9 +3,9 @@
 
 use super::FigureFile;
 use crate::localizer::{Estimate, Method};
-use crate::output::svg::{Chart, Figure, Role};
 use crate::record::{MethodRecord, Run};
 use loc_core::{Gaussian, Normal};
+use loc_plot::{Chart, Figure, Role};
 use loc_sensors::event::Measurement;
 
 pub(super) fn all(run: &Run, title: &str) -> Vec<FigureFile> {

@@ -1,7 +1,7 @@
 //! The point cloud: as a table, and as one sees it from behind the camera.
 
-use super::picture::Image;
 use crate::sense::Taken;
+use loc_plot::color::Image;
 use loc_sensors::rgbd::{CloudPoint, DepthCamera, Frame};
 use loc_sensors::world::Rgb;
 use nalgebra::{Matrix3, Point3, Vector3};

@@ -2,8 +2,8 @@
 
 use super::StudyFigure;
 use super::lines::{GroupLine, Ranged, lines, spread, success};
-use crate::output::svg::{Chart, Figure, Role};
 use crate::study::{Group, Results, Study};
+use loc_plot::{Chart, Figure, Role};
 
 /// The figures over the k-th setting.
 pub(super) fn all(study: &Study, results: &Results, k: usize) -> Vec<StudyFigure> {

@@ -1,8 +1,8 @@
 //! The figures of a study that varies nothing but the seed.
 
 use super::StudyFigure;
-use crate::output::svg::{Chart, Figure, Role};
 use crate::study::{CONFIDENCE, Results};
+use loc_plot::{Chart, Figure, Role};
 
 pub(super) fn all(results: &Results) -> Vec<StudyFigure> {
     let mut figures: Vec<_> = distribution(results).into_iter().collect();

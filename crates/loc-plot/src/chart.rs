@@ -1,0 +1,500 @@
+//! Charts over a shared axis, mostly time.
+
+use crate::axis::{Area, Axis, NAME_HEIGHT, Step, TICK_SIZE};
+use crate::header::{Glyph, Legend};
+use crate::labels::Room;
+use crate::marks::Px;
+use crate::style::{Paint, Role, Style};
+use crate::text::Anchor;
+use crate::writer::{Element, Writer};
+use crate::{WIDTH, drawable, header, marks, text};
+
+/// Quantities over one another: lines, bands, points and limits. One panel of a [`Figure`].
+///
+/// Values that are not finite break a line or band; on a logarithmic axis so do values that are
+/// not positive. A label names a series in the figure's legend; series of the same colour and
+/// label share one entry, also across panels, and those with an empty label have none.
+#[derive(Debug, Clone, Default)]
+pub struct Chart {
+    y_label: String,
+    series: Vec<Series>,
+    references: Vec<(f64, String)>,
+    y_range: Option<(f64, f64)>,
+    log: bool,
+}
+
+/// Charts above each other that share the x axis, with a title and one legend.
+#[derive(Debug, Clone, Default)]
+pub struct Figure {
+    title: String,
+    subtitle: String,
+    x_label: String,
+    panels: Vec<Chart>,
+    marks: Vec<(f64, String)>,
+}
+
+#[derive(Debug, Clone)]
+struct Series {
+    style: Style,
+    label: String,
+    data: Data,
+}
+
+#[derive(Debug, Clone)]
+enum Data {
+    Line(Vec<(f64, f64)>),
+    Points(Vec<(f64, f64)>),
+    /// x, lower, upper.
+    Band(Vec<(f64, f64, f64)>),
+}
+
+impl Chart {
+    /// An empty chart of a quantity: `"position error [m]"`.
+    pub fn new(y_label: impl Into<String>) -> Self {
+        Chart { y_label: y_label.into(), ..Chart::default() }
+    }
+
+    /// A line through points (x, y). Points that cannot be seen are left out of the file: of a
+    /// long series four per half pixel (see [`thin_columns`](crate::thin_columns)), and those
+    /// that would not change it by an eighth of a pixel (see [`simplify`](crate::simplify)).
+    #[must_use]
+    pub fn line(
+        self,
+        style: impl Into<Style>,
+        label: &str,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.with(style, label, Data::Line(points.into_iter().collect()))
+    }
+
+    /// A filled band between two curves, of triples (x, lower, upper). Bands lie under lines
+    /// and points.
+    #[must_use]
+    pub fn band(
+        self,
+        style: impl Into<Style>,
+        label: &str,
+        band: impl IntoIterator<Item = (f64, f64, f64)>,
+    ) -> Self {
+        self.with(style, label, Data::Band(band.into_iter().collect()))
+    }
+
+    /// Separate dots at (x, y).
+    #[must_use]
+    pub fn points(
+        self,
+        style: impl Into<Style>,
+        label: &str,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        self.with(style, label, Data::Points(points.into_iter().collect()))
+    }
+
+    /// A horizontal line to compare with, its label written along it.
+    #[must_use]
+    pub fn reference(mut self, value: f64, label: impl Into<String>) -> Self {
+        self.references.push((value, label.into()));
+        self
+    }
+
+    /// Fixes the range of y. A range that is empty, not finite, or not positive on a logarithmic
+    /// axis is ignored, and the data decide: with a little room above and below, and down to 0
+    /// where they are positive and come near it.
+    #[must_use]
+    pub fn y_range(mut self, low: f64, high: f64) -> Self {
+        self.y_range = Some((low, high));
+        self
+    }
+
+    /// Makes the y axis logarithmic.
+    #[must_use]
+    pub fn log_y(mut self) -> Self {
+        self.log = true;
+        self
+    }
+
+    fn with(mut self, style: impl Into<Style>, label: &str, data: Data) -> Self {
+        self.series.push(Series { style: style.into(), label: label.to_owned(), data });
+        self
+    }
+
+    /// Whether any series has a value to show.
+    pub(crate) fn has_data(&self) -> bool {
+        let mut any = false;
+        self.for_each_value(|_, _| any = true);
+        any
+    }
+
+    /// Whether there is nothing at all that a y axis could tell about.
+    pub(crate) fn is_blank(&self) -> bool {
+        !self.has_data() && self.references.is_empty() && self.y_range.is_none()
+    }
+
+    /// The interval of y: the fixed one where it is valid, else what the data need.
+    pub(crate) fn y_interval(&self) -> (f64, f64) {
+        let usable = |v: f64| drawable(v) && (v > 0.0 || !self.log);
+        if let Some((low, high)) = self.y_range
+            && usable(low)
+            && usable(high)
+            && high > low
+        {
+            return (low, high);
+        }
+        let mut range = None;
+        self.for_each_value(|_, y| include(&mut range, y));
+        for (value, _) in self.references.iter().filter(|(v, _)| usable(*v)) {
+            include(&mut range, *value);
+        }
+        match range {
+            Some((low, high)) if self.log => with_room_log(low, high),
+            Some((low, high)) => with_room(low, high),
+            None if self.log => (0.1, 10.0),
+            None => (0.0, 1.0),
+        }
+    }
+
+    /// Visits all (x, y) that can be shown.
+    fn for_each_value(&self, mut visit: impl FnMut(f64, f64)) {
+        let mut visit = |x: f64, y: f64| {
+            if drawable(x) && drawable(y) && (y > 0.0 || !self.log) {
+                visit(x, y);
+            }
+        };
+        for series in &self.series {
+            match &series.data {
+                Data::Line(points) | Data::Points(points) => {
+                    points.iter().for_each(|&(x, y)| visit(x, y));
+                }
+                Data::Band(band) => {
+                    for &(x, lower, upper) in band {
+                        if drawable(lower) && drawable(upper) {
+                            visit(x, lower);
+                            visit(x, upper);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Figure {
+    /// A figure without panels; a title of many words takes two lines.
+    pub fn new(title: impl Into<String>) -> Self {
+        Figure { title: title.into(), ..Figure::default() }
+    }
+
+    /// A line under the title, in smaller letters.
+    #[must_use]
+    pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
+        self.subtitle = subtitle.into();
+        self
+    }
+
+    /// The name of the shared axis, with its unit: `"time [s]"`.
+    #[must_use]
+    pub fn x_label(mut self, x_label: impl Into<String>) -> Self {
+        self.x_label = x_label.into();
+        self
+    }
+
+    /// A vertical line through all charts, with its label in the first one: a moment when
+    /// something happened.
+    #[must_use]
+    pub fn mark(mut self, x: f64, label: impl Into<String>) -> Self {
+        self.marks.push((x, label.into()));
+        self
+    }
+
+    /// Adds a chart below those before.
+    #[must_use]
+    pub fn panel(mut self, chart: Chart) -> Self {
+        self.panels.push(chart);
+        self
+    }
+
+    /// The SVG file.
+    pub fn render(&self) -> String {
+        draw(self)
+    }
+
+    /// The x values of all panels, from the least to the largest, rounded outwards by at most half
+    /// a percent each; none without data.
+    pub(crate) fn x_range(&self) -> Option<(f64, f64)> {
+        let mut range = None;
+        for chart in &self.panels {
+            chart.for_each_value(|x, _| include(&mut range, x));
+        }
+        let (low, high) = range?;
+        if high - low > 1e-9 * low.abs().max(high.abs()) {
+            let step = Step::at_least((high - low) / 200.0).size();
+            return Some(((low / step).floor() * step, (high / step).ceil() * step));
+        }
+        // A single instant gets a little time around it.
+        let half = f64::max(0.5, 1e-9 * low.abs());
+        Some((low - half, high + half))
+    }
+}
+
+/// Below this share of the largest value, positive data come near 0.
+const NEAR_ZERO: f64 = 0.4;
+
+fn include(range: &mut Option<(f64, f64)>, value: f64) {
+    let (low, high) = range.get_or_insert((value, value));
+    (*low, *high) = (low.min(value), high.max(value));
+}
+
+fn with_room(low: f64, high: f64) -> (f64, f64) {
+    let largest = low.abs().max(high.abs());
+    if high - low <= 1e-9 * largest || largest <= 0.0 {
+        let half = if largest > 0.0 { 0.1 * largest } else { 1.0 };
+        return (low - half, high + half);
+    }
+    let room = 0.06 * (high - low);
+    if low >= 0.0 && low <= NEAR_ZERO * high {
+        (0.0, high + room)
+    } else if high <= 0.0 && high >= NEAR_ZERO * low {
+        (low - room, 0.0)
+    } else {
+        (low - room, high + room)
+    }
+}
+
+fn with_room_log(low: f64, high: f64) -> (f64, f64) {
+    let factor = (high / low).powf(0.06).max(1.05);
+    let factor = if factor.is_finite() { factor } else { 1.0 };
+    if high > low { (low / factor, high * factor) } else { (low / 3.0, high * 3.0) }
+}
+
+/// Room to the right of the panels \[px\].
+const RIGHT: f64 = 20.0;
+/// Room between panels \[px\].
+const GAP: f64 = 12.0;
+/// Width of the columns in which lines are thinned \[px\].
+const COLUMN: f64 = 0.5;
+
+pub(crate) fn draw(figure: &Figure) -> String {
+    let mut writer = Writer::default();
+    let mut end = header::draw(&mut writer, &figure.title, &figure.subtitle, &legend(figure));
+    let empty = [Chart::default()];
+    let panels: &[Chart] = if figure.panels.is_empty() { &empty } else { &figure.panels };
+    let height = panel_height(panels.len());
+    let left = label_width(panels, height).max(16.0) + 14.0;
+    let width = WIDTH - left - RIGHT;
+    let range = figure.x_range();
+    let mut x = Axis::linear(range.unwrap_or((0.0, 1.0)), (left, left + width));
+    if range.is_some() {
+        x = x.across();
+    }
+    let mut area = None;
+    for chart in panels {
+        let top = end + NAME_HEIGHT;
+        let panel = Area { left, top, width, height };
+        draw_panel(&mut writer, chart, &panel, &x);
+        draw_marks(&mut writer, &figure.marks, area.is_none(), &panel, &x);
+        end = panel.bottom() + GAP;
+        area = Some(panel);
+    }
+    if let Some(lowest) = area {
+        end = lowest.draw_x_axis(&mut writer, &x, &figure.x_label);
+    }
+    writer.finish(&figure.title, end)
+}
+
+fn panel_height(panels: usize) -> f64 {
+    match panels {
+        0 | 1 => 290.0,
+        2 => 190.0,
+        _ => 140.0,
+    }
+}
+
+fn y_axis(chart: &Chart, pixels: (f64, f64)) -> Axis {
+    let range = chart.y_interval();
+    let axis = if chart.log { Axis::log(range, pixels) } else { Axis::linear(range, pixels) };
+    if chart.is_blank() { axis } else { axis.upwards() }
+}
+
+fn label_width(panels: &[Chart], height: f64) -> f64 {
+    panels.iter().map(|chart| y_axis(chart, (height, 0.0)).label_width()).fold(0.0, f64::max)
+}
+
+fn legend(figure: &Figure) -> Legend {
+    let mut legend = Legend::default();
+    for series in figure.panels.iter().flat_map(|chart| &chart.series) {
+        let glyph = match series.data {
+            Data::Line(_) => Glyph::Line,
+            Data::Points(_) => Glyph::Dots,
+            Data::Band(_) => Glyph::Band,
+        };
+        legend.add(&series.label, glyph, series.style);
+    }
+    legend
+}
+
+fn draw_panel(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis) {
+    let y = y_axis(chart, (area.bottom(), area.top));
+    area.draw_grid(writer, x, &y);
+    area.open_clip(writer, 3.0);
+    draw_lines(writer, chart, area, &y);
+    let (bands, others): (Vec<_>, Vec<_>) =
+        chart.series.iter().partition(|series| matches!(series.data, Data::Band(_)));
+    for series in bands.into_iter().chain(others) {
+        draw_series(writer, series, x, &y);
+    }
+    draw_labels(writer, chart, area, x, &y);
+    writer.close();
+    if !chart.has_data() {
+        area.draw_no_data(writer);
+    }
+    area.draw_y_axis(writer, &y, &chart.y_label);
+}
+
+fn draw_series(writer: &mut Writer, series: &Series, x: &Axis, y: &Axis) {
+    match &series.data {
+        Data::Line(points) => {
+            let pixels = pixels(points, x, y);
+            let mut thinned: Vec<Px> = Vec::new();
+            for run in marks::runs(&pixels) {
+                thinned.extend(marks::thin_columns(run, COLUMN));
+                thinned.push((f64::NAN, f64::NAN));
+            }
+            marks::draw_line(writer, series.style, &thinned);
+        }
+        Data::Points(points) => {
+            marks::draw_dots(writer, series.style, 4.0, &pixels(points, x, y));
+        }
+        Data::Band(band) => draw_band(writer, series.style, &band_pixels(band, x, y)),
+    }
+}
+
+pub(crate) fn pixels(points: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<Px> {
+    let px = |axis: &Axis, v: f64| if drawable(v) { axis.px(v) } else { f64::NAN };
+    points.iter().map(|&(u, v)| (px(x, u), px(y, v))).collect()
+}
+
+/// Lower and upper edge of the parts of a band. A lower edge that a logarithmic axis cannot show
+/// lies at the bottom.
+fn band_pixels(band: &[(f64, f64, f64)], x: &Axis, y: &Axis) -> Vec<(Vec<Px>, Vec<Px>)> {
+    let shown = |&(u, lower, upper): &(f64, f64, f64)| {
+        drawable(u) && drawable(lower) && drawable(upper) && y.px(upper).is_finite()
+    };
+    band.split(|row| !shown(row))
+        .filter(|part| !part.is_empty())
+        .map(|part| {
+            let edge = |value: fn(&(f64, f64, f64)) -> f64| -> Vec<Px> {
+                let points = part.iter().map(|row| {
+                    let at = y.px(value(row));
+                    (x.px(row.0), if at.is_finite() { at } else { 1e5 })
+                });
+                points.collect()
+            };
+            (edge(|row| row.1), edge(|row| row.2))
+        })
+        .collect()
+}
+
+fn draw_band(writer: &mut Writer, style: Style, parts: &[(Vec<Px>, Vec<Px>)]) {
+    let thinned =
+        |edge: &[Px]| marks::simplify(&marks::thin_columns(edge, COLUMN), marks::TOLERANCE);
+    let data: String = parts
+        .iter()
+        .map(|(lower, upper)| {
+            let mut outline = thinned(lower);
+            outline.extend(thinned(upper).into_iter().rev());
+            marks::polyline(&outline) + "Z"
+        })
+        .collect();
+    if !data.is_empty() {
+        let path = Element::new("path").attr("d", &data).fill(style.paint());
+        writer.add(path.attr("fill-opacity", "0.2"));
+    }
+}
+
+/// Horizontal lines to compare with.
+pub(crate) fn draw_lines(writer: &mut Writer, chart: &Chart, area: &Area, y: &Axis) {
+    for (value, _) in &chart.references {
+        let at = y.px(*value);
+        let line = [(area.left, at), (area.right(), at)];
+        marks::draw_line(writer, Role::Reference.dashed().width(1.3), &line);
+    }
+}
+
+/// Vertical lines, and with `named` what happened there.
+pub(crate) fn draw_marks(
+    writer: &mut Writer,
+    marks: &[(f64, String)],
+    named: bool,
+    area: &Area,
+    x: &Axis,
+) {
+    for (value, label) in marks {
+        let at = x.px(*value);
+        if !(area.left..=area.right()).contains(&at) {
+            continue;
+        }
+        let line = [(at, area.top), (at, area.bottom())];
+        marks::draw_line(writer, Role::Truth.dashed().width(1.1), &line);
+        if named {
+            let width = text::width(label, TICK_SIZE);
+            let left = at + 6.0 + width > area.right();
+            let (at, anchor) =
+                if left { (at - 6.0, Anchor::End) } else { (at + 6.0, Anchor::Start) };
+            let place = (at, area.top + 15.0);
+            let element = text::element(place, TICK_SIZE, anchor, Paint::INK);
+            text::draw_with_halo(writer, element, label);
+        }
+    }
+}
+
+/// The labels of horizontal lines, above or below the line and at its right or left end, wherever
+/// they cover least.
+pub(crate) fn draw_labels(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis, y: &Axis) {
+    let named = |(value, label): &&(f64, String)| y.px(*value).is_finite() && !label.is_empty();
+    let references: Vec<_> = chart.references.iter().filter(named).collect();
+    if references.is_empty() {
+        return;
+    }
+    let mut room = booked_room(chart, area, x, y);
+    for (value, label) in references {
+        let at = y.px(*value);
+        let label = text::shorten(label, TICK_SIZE, 0.7 * area.width);
+        let width = text::width(&label, TICK_SIZE);
+        let (right, left) = (area.right() - 8.0 - width, area.left + 8.0);
+        let (above, below) = (at - 18.0, at + 2.5);
+        let place = |left: f64, top: f64| [left, top, left + width, top + 15.0];
+        let places =
+            [place(right, above), place(right, below), place(left, above), place(left, below)];
+        if let Some([from, _, to, bottom]) = room.take(&places) {
+            let (at, anchor) = if from < right { (from, Anchor::Start) } else { (to, Anchor::End) };
+            let element = text::element((at, bottom - 2.5), TICK_SIZE, anchor, Paint::MUTED);
+            text::draw_with_halo(writer, element, &label);
+        }
+    }
+}
+
+/// The room that lines and points take.
+fn booked_room(chart: &Chart, area: &Area, x: &Axis, y: &Axis) -> Room {
+    let mut room = Room::new(*area);
+    for (value, _) in &chart.references {
+        let at = y.px(*value);
+        if at.is_finite() {
+            room.book_segment((area.left, at), (area.right(), at));
+        }
+    }
+    for series in &chart.series {
+        match &series.data {
+            Data::Line(points) => {
+                let pixels = pixels(points, x, y);
+                marks::runs(&pixels).for_each(|run| room.book_path(run));
+            }
+            Data::Points(points) => {
+                let pixels = pixels(points, x, y);
+                let shown = marks::runs(&pixels).flatten();
+                shown.for_each(|&point| room.book_mark(point, 2.0));
+            }
+            Data::Band(_) => {}
+        }
+    }
+    room
+}
