@@ -90,6 +90,37 @@ impl Chart {
         self.with(style, label, Data::Points(points.into_iter().collect()))
     }
 
+    /// Bars from 0 to a height, filled and with an edge, of pairs (middle, height), `width` wide.
+    #[must_use]
+    pub fn bars(
+        self,
+        role: Role,
+        label: &str,
+        width: f64,
+        bars: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let gap = f64::NAN;
+        let (mut filled, mut edges) = (Vec::new(), Vec::new());
+        for (x, height) in bars {
+            let (left, right) = (x - 0.5 * width, x + 0.5 * width);
+            filled.extend([(left, 0.0, height), (right, 0.0, height), (gap, gap, gap)]);
+            edges.extend([(left, 0.0), (left, height), (right, height), (right, 0.0), (gap, gap)]);
+        }
+        self.band(role, label, filled).line(role.width(0.8), "", edges)
+    }
+
+    /// Vertical lines from 0 to a height, of pairs (x, height).
+    #[must_use]
+    pub fn stems(
+        self,
+        style: impl Into<Style>,
+        label: &str,
+        stems: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let stem = |(x, height): (f64, f64)| [(x, 0.0), (x, height), (f64::NAN, f64::NAN)];
+        self.line(style, label, stems.into_iter().flat_map(stem))
+    }
+
     /// A horizontal line to compare with, its label written along it.
     #[must_use]
     pub fn reference(mut self, value: f64, label: impl Into<String>) -> Self {

@@ -23,7 +23,12 @@
 //! ```
 
 use crate::Result;
+use crate::demonstration::{Demonstration, check_count};
+use crate::output::Illustration;
+use crate::output::figures::FigureFile;
+use crate::source::tour::{LaserConfig, TourWorld, WorldConfig};
 use loc_core::Pose2;
+use loc_core::random::{ChaCha8Rng, stream};
 use loc_maps::grid::Occupancy;
 use loc_maps::{OccupancyGrid, RayCaster};
 use loc_pf::sensor::BeamModelSettings;
@@ -33,7 +38,12 @@ use loc_pf::sensor::perceptual::{
 };
 use loc_plot::color::{DENSITY, Image};
 use loc_plot::{Chart, Figure, HeatMap, HeatMaps, Role, color};
+use loc_sensors::laser::LaserFaults;
 use loc_sensors::laser::LaserScan;
+use rand::RngExt;
+use serde::Deserialize;
+use serde_json::json;
+use std::f64::consts::TAU;
 
 /// How to learn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -230,4 +240,96 @@ fn reach(learned: &Learned) -> f64 {
 /// The colour of a density's power of ten.
 fn density_color(power: f64) -> [u8; 3] {
     color::along(&DENSITY, (power - LOWEST) / (HIGHEST - LOWEST))
+}
+
+/// From the robot to the nearest wall \[m\].
+const CLEARANCE: f64 = 0.3;
+
+/// After so many tries any place will do; [`learn`] leaves out those that are not free.
+const MAX_TRIES: usize = 10_000;
+
+/// The demonstration `perceptual-model` (K2): a laser scans at many places of a world, and the model is
+/// learned from its scans and true poses.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PerceptualModelConfig {
+    /// The world.
+    pub world: WorldConfig,
+    /// The laser; `every_s` has no meaning here.
+    pub laser: LaserConfig,
+    /// Number of places at which it scans.
+    pub places: usize,
+}
+
+impl Demonstration for PerceptualModelConfig {
+    fn check(&self) -> Result<()> {
+        self.world.settings()?;
+        self.laser.scanner()?;
+        check_count("demonstration.places", self.places, 100_000)
+    }
+
+    /// Scans, learns and draws. Some beams are stopped by what the map does not know (people), some
+    /// do not come back (glass); the shares that were put in are compared with the fitted ones.
+    fn run(&self, title: &str, seed: u64) -> Result<Illustration> {
+        self.check()?;
+        let learned = scan_and_learn(self, seed)?;
+        let fitted = &learned.fit.settings;
+        let LaserFaults { dropout, short, .. } = self.laser.faults;
+        let rows = [
+            ("z_hit", 1.0 - short - dropout, fitted.z_hit),
+            ("z_short", short, fitted.z_short),
+            ("z_max", dropout, fitted.z_max),
+            ("z_rand", 0.0, fitted.z_rand),
+            ("sigma_hit [m]", self.laser.scanner()?.spec.noise.sigma, fitted.sigma_hit),
+        ];
+        let mut lines = vec![
+            format!("{} beams of {} scans", learned.pairs.len(), learned.scans),
+            format!("{:<20}{:>10}{:>10}", "", "put in", "fitted"),
+        ];
+        lines
+            .extend(rows.map(|(name, put, fitted)| format!("{name:<20}{put:>10.4}{fitted:>10.4}")));
+        let put_in = json!({"short": short, "none": dropout});
+        let summary = json!({"beams": learned.pairs.len(), "fitted": fitted, "put_in": put_in});
+        let surfaces = FigureFile::new(
+            "surfaces.svg",
+            "p(measured | expected) as counted, beside the fitted beam model",
+            surfaces(&learned, title)?,
+        );
+        let cuts = FigureFile::new(
+            "cuts.svg",
+            "Cuts through both surfaces at a few expected ranges",
+            cuts(&learned, title)?,
+        );
+        Ok(Illustration::new(lines, summary, vec![surfaces, cuts]))
+    }
+}
+
+fn scan_and_learn(config: &PerceptualModelConfig, seed: u64) -> Result<Learned> {
+    let world = TourWorld::open(Some(&config.world), None)?;
+    let (scanner, map) = (config.laser.scanner()?, world.grid());
+    let (mut places, mut errors) = (stream(seed, "places"), stream(seed, "laser"));
+    let scans: Vec<(Pose2, LaserScan)> = (0..config.places)
+        .map(|_| {
+            let pose = free_pose(&world, &mut places);
+            let scan = scanner.scan(&world.walls, pose, &mut errors);
+            (pose * scanner.mounting, scan)
+        })
+        .collect();
+    let start = BeamModelSettings { max_range: scanner.spec.range_max, ..Default::default() };
+    learn(&scans, map, &LearnSettings { start, ..LearnSettings::default() })
+}
+
+/// A pose in free space, at least [`CLEARANCE`] from every wall.
+fn free_pose(world: &TourWorld, rng: &mut ChaCha8Rng) -> Pose2 {
+    let frame = world.grid().frame();
+    let mut pose = Pose2::IDENTITY;
+    for _ in 0..MAX_TRIES {
+        let (u, v, turn): (f64, f64, f64) = (rng.random(), rng.random(), rng.random());
+        let place = frame.to_map(u * frame.width() as f64, v * frame.height() as f64);
+        pose = Pose2::new(place.x, place.y, TAU * turn);
+        if world.clearance(&place) >= CLEARANCE {
+            break;
+        }
+    }
+    pose
 }

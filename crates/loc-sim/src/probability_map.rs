@@ -238,11 +238,11 @@ fn figure(map: &ProbabilityMap, title: &str, decades: f64) -> FigureFile {
         .frame("with the heading that fits best", scene(map, &map.any_heading, decades))
         .frame("with the true heading", scene(map, &map.true_heading, decades))
         .bar(bar);
-    FigureFile {
-        file: "probability.svg".into(),
-        caption: "How likely the scan is at each place of the map".into(),
-        svg: frames.render(),
-    }
+    FigureFile::new(
+        "probability.svg",
+        "How likely the scan is at each place of the map",
+        frames.render(),
+    )
 }
 
 fn scene(map: &ProbabilityMap, log_likelihoods: &[f64], decades: f64) -> Scene {

@@ -1,8 +1,7 @@
 //! A satellite receiver along a drive.
 
-use super::drive::{DriveSettings, Step, path};
-use super::station::rms;
-use super::{Place, Sensor, Station, Taken};
+use super::drive::{Drive, DriveSettings, Step};
+use super::{Sensor, Station, Taken, rms};
 use crate::Result;
 use loc_plot::{Chart, Figure, Role};
 use loc_sensors::gnss::{Geodetic, Gnss, GnssFix, GnssNoise, LocalFrame, Outages};
@@ -53,13 +52,12 @@ fn take(station: &Station) -> Result<Taken> {
     loc_core::error::positive("interval [s]", settings.interval)?;
     let frame = LocalFrame::new(settings.origin)?;
     let receiver = Gnss::new(frame).with_noise(settings.noise)?.with_outages(settings.outages)?;
-    let start = station.pose_or(Place::middle)?;
-    let drive = settings.drive.drive(station.place, start)?;
+    let drive = station.drive(&settings.drive)?;
     let every = (settings.interval / settings.drive.time_step).round().clamp(1.0, 1e6) as usize;
-    let asked: Vec<&Step> = drive.iter().skip(every - 1).step_by(every).collect();
+    let asked: Vec<&Step> = drive.steps.iter().skip(every - 1).step_by(every).collect();
     let fixes = fixes(station, &settings, receiver, &frame, &asked);
 
-    let mut taken = Taken::new(start, &settings);
+    let mut taken = Taken::new(drive.start, &settings);
     let error = |of: fn(&Fix) -> f64| rms(fixes.iter().map(of));
     taken.tell("asked", asked.len());
     taken.tell("fixes", fixes.len());
@@ -99,21 +97,16 @@ fn fixes(
     asked.iter().filter_map(one).collect()
 }
 
-fn over_map(station: &Station, frame: &LocalFrame, drive: &[Step], fixes: &[Fix]) -> String {
-    let subtitle = format!(
-        "{} in {}: {} fixes; ellipses show what the receiver claims",
-        station.preset,
-        station.place.name(),
-        fixes.len()
-    );
+fn over_map(station: &Station, frame: &LocalFrame, drive: &Drive, fixes: &[Fix]) -> String {
+    let note = format!("{} fixes; ellipses show what the receiver claims", fixes.len());
     let place = |fix: &Fix| fix.fix.in_plane(frame);
     let claimed = fixes.iter().step_by(fixes.len().div_ceil(4).max(1));
     let claimed = claimed.map(|fix| place(fix).ellipse(2.0));
     let dots = fixes.iter().map(place).map(|belief| (belief.mean.x, belief.mean.y));
     station
-        .scene("Positions by satellite along a drive", &subtitle)
+        .scene("Positions by satellite along a drive", &note)
         .ellipses(Role::Method(5).width(1.0), "claimed, 2 sigma", claimed)
-        .path(Role::Truth.dotted(), "true path", path(drive))
+        .path(Role::Truth.dotted(), "true path", drive.path())
         .dots(Role::Method(1).width(3.0), "fix", dots)
         .render()
 }

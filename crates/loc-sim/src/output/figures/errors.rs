@@ -68,11 +68,11 @@ pub(super) fn errors(run: &Run) -> FigureFile {
     if searching {
         figure = figure.panel(spread);
     }
-    FigureFile {
-        file: "errors.svg".into(),
-        caption: "Position error, heading error and NEES over time".into(),
-        svg: with_kidnapping(run, figure.panel(nees)).render(),
-    }
+    FigureFile::new(
+        "errors.svg",
+        "Position error, heading error and NEES over time",
+        with_kidnapping(run, figure.panel(nees)).render(),
+    )
 }
 
 /// The mean of powers, as a value; a single value stays as it is, sign included.
@@ -119,11 +119,11 @@ pub(super) fn consistency(run: &Run) -> Option<FigureFile> {
         chart = chart.band(role, "2 sigma", band).line(role, &record.name(), error);
         figure = figure.panel(chart);
     }
-    Some(FigureFile {
-        file: "consistency.svg".into(),
-        caption: "Error of each coordinate inside two standard deviations".into(),
-        svg: with_kidnapping(run, figure).render(),
-    })
+    Some(FigureFile::new(
+        "consistency.svg",
+        "Error of each coordinate inside two standard deviations",
+        with_kidnapping(run, figure).render(),
+    ))
 }
 
 /// The range to show, where a few moments of a lost robot would leave no room for all others: a
@@ -197,12 +197,11 @@ fn fusion_errors(run: &Run, k: usize, record: &MethodRecord) -> FigureFile {
         let chart = chart.band(Role::Method(k), "3 sigma", band).reference(0.0, "");
         figure = figure.panel(chart.line(Role::Method(k), &record.name(), error));
     }
-    FigureFile {
-        file: "fusion.svg".into(),
-        caption: "Error of each coordinate inside three standard deviations, silent sensors shaded"
-            .into(),
-        svg: with_silences(run, figure).render(),
-    }
+    FigureFile::new(
+        "fusion.svg",
+        "Error of each coordinate inside three standard deviations, silent sensors shaded",
+        with_silences(run, figure).render(),
+    )
 }
 
 /// What the method believes about each error, inside two standard deviations.
@@ -230,12 +229,11 @@ fn biases(run: &Run, k: usize, record: &MethodRecord) -> FigureFile {
         }
         figure = figure.panel(chart);
     }
-    FigureFile {
-        file: "biases.svg".into(),
-        caption: "Errors of the sensors as the method finds them, with two standard deviations"
-            .into(),
-        svg: with_silences(run, figure).render(),
-    }
+    FigureFile::new(
+        "biases.svg",
+        "Errors of the sensors as the method finds them, with two standard deviations",
+        with_silences(run, figure).render(),
+    )
 }
 
 /// The longest silence, shaded.

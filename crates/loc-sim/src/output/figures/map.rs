@@ -73,12 +73,11 @@ pub(super) fn map(run: &Run, title: &str) -> FigureFile {
     if !run.setup.landmarks.is_empty() {
         scene = scene.crosses(Role::Landmark, "landmark", landmarks);
     }
-    FigureFile {
-        file: "map.svg".into(),
-        caption: "True and estimated paths with 2-sigma ellipses, landmarks and measurements"
-            .into(),
-        svg: scene.render(),
-    }
+    FigureFile::new(
+        "map.svg",
+        "True and estimated paths with 2-sigma ellipses, landmarks and measurements",
+        scene.render(),
+    )
 }
 
 /// The map that a method has drawn: its landmarks with their uncertainty.
@@ -205,11 +204,11 @@ pub(super) fn lines(run: &Run) -> Option<FigureFile> {
         let time = stamp - run.setup.start;
         frames = frames.frame(caption(time, value), scene(value, Role::Method(k)));
     }
-    Some(FigureFile {
-        file: "lines.svg".into(),
-        caption: "Lines of a scan, lines that the map predicts, and the pairs of both".into(),
-        svg: frames.render(),
-    })
+    Some(FigureFile::new(
+        "lines.svg",
+        "Lines of a scan, lines that the map predicts, and the pairs of both",
+        frames.render(),
+    ))
 }
 
 fn caption(time: f64, update: &LineUpdate) -> String {

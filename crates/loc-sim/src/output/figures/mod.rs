@@ -19,6 +19,17 @@ pub struct FigureFile {
     pub svg: String,
 }
 
+impl FigureFile {
+    /// A file with a caption and its SVG text.
+    pub fn new(
+        file: impl Into<Cow<'static, str>>,
+        caption: impl Into<Cow<'static, str>>,
+        svg: String,
+    ) -> Self {
+        FigureFile { file: file.into(), caption: caption.into(), svg }
+    }
+}
+
 /// Every file name that a figure of a run can have.
 pub const NAMES: [&str; 20] = [
     "map.svg",

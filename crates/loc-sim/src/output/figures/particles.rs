@@ -32,11 +32,11 @@ pub(super) fn clouds(run: &Run) -> Option<FigureFile> {
         let moment = &moments[index];
         frames = frames.frame(moment.caption(), moment.scene(Role::Method(k), POINTER * size));
     }
-    Some(FigureFile {
-        file: "clouds.svg".into(),
-        caption: "The particles over the map at twelve moments, with the true pose".into(),
-        svg: frames.render(),
-    })
+    Some(FigureFile::new(
+        "clouds.svg",
+        "The particles over the map at twelve moments, with the true pose",
+        frames.render(),
+    ))
 }
 
 /// A cloud with what is known about it.
@@ -124,12 +124,11 @@ pub(super) fn histogram(run: &Run) -> Option<FigureFile> {
         };
         frames = frames.frame(caption(run, moments[index], stats[index]), scene);
     }
-    Some(FigureFile {
-        file: "histogram.svg".into(),
-        caption: "The probability of each place of the map at twelve moments, with the true pose"
-            .into(),
-        svg: frames.render(),
-    })
+    Some(FigureFile::new(
+        "histogram.svg",
+        "The probability of each place of the map at twelve moments, with the true pose",
+        frames.render(),
+    ))
 }
 
 fn stats(run: &Run, moment: &Stamped<PlaceBelief>) -> MomentStats {
@@ -245,11 +244,11 @@ pub(super) fn resampling(run: &Run) -> Option<FigureFile> {
         frames = frames.frame(format!("{time:.1} s, weighed"), scene(weighed));
         frames = frames.frame(format!("{time:.1} s, resampled"), scene(&cloud.particles));
     }
-    Some(FigureFile {
-        file: "resampling.svg".into(),
-        caption: "Clouds before and after resampling with their covariances".into(),
-        svg: frames.render(),
-    })
+    Some(FigureFile::new(
+        "resampling.svg",
+        "Clouds before and after resampling with their covariances",
+        frames.render(),
+    ))
 }
 
 /// Stamps \[s\], clouds, and what they were resampled from.

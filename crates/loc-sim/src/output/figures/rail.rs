@@ -30,11 +30,11 @@ fn drive(run: &Run, title: &str) -> FigureFile {
     let true_speed = truth.map(|t| (t.stamp, t.value.speed.unwrap_or(f64::NAN)));
     speed = speed.line(Role::Truth.dotted(), "truth", true_speed);
     let figure = Figure::new(title).subtitle("with 2 standard deviations").x_label("time [s]");
-    FigureFile {
-        file: "rail.svg".into(),
-        caption: "Position and speed over time, with two standard deviations".into(),
-        svg: figure.panel(position).panel(speed).render(),
-    }
+    FigureFile::new(
+        "rail.svg",
+        "Position and speed over time, with two standard deviations",
+        figure.panel(position).panel(speed).render(),
+    )
 }
 
 /// The densities of the position at the end: prediction, readings, corrected belief.
@@ -57,11 +57,11 @@ fn density(run: &Run) -> FigureFile {
         chart = chart.line(Role::Truth.dotted(), "true position", upright(truth.value.pose.x));
     }
     let figure = Figure::new(format!("Where the methods believe to be after {end:.1} s"));
-    FigureFile {
-        file: "density.svg".into(),
-        caption: "Densities of the position at the end".into(),
-        svg: figure.x_label("position [m]").panel(chart).render(),
-    }
+    FigureFile::new(
+        "density.svg",
+        "Densities of the position at the end",
+        figure.x_label("position [m]").panel(chart).render(),
+    )
 }
 
 /// Standard deviations over time.
@@ -81,11 +81,11 @@ fn accuracy(run: &Run) -> FigureFile {
     position = position.line(role, label, line(0));
     speed = speed.line(role, label, line(1));
     let figure = Figure::new("Accuracy with and without corrections").x_label("time [s]");
-    FigureFile {
-        file: "accuracy.svg".into(),
-        caption: "Standard deviations of position and speed over time".into(),
-        svg: figure.panel(position).panel(speed).render(),
-    }
+    FigureFile::new(
+        "accuracy.svg",
+        "Standard deviations of position and speed over time",
+        figure.panel(position).panel(speed).render(),
+    )
 }
 
 /// What the Kalman filter would believe if every sensor read at every step. Its covariance does

@@ -5,18 +5,25 @@
 //! day to day the state changes, as mail comes and is taken out, and belief follows: a prediction
 //! for the day that has passed, a correction for the flag that was seen.
 
-mod figure;
-
+use super::Demonstration;
 use crate::Result;
 use crate::config::field;
 use crate::output::Illustration;
+use crate::output::figures::FigureFile;
 use loc_core::error::probability;
 use loc_core::probability::{Discrete, bayes};
 use loc_filters::histogram::DiscreteFilter;
+use loc_plot::{Chart, Figure, Role};
 use serde::Deserialize;
 use serde_json::json;
 
-/// What is known about mailbox and mail, and what is seen.
+/// Width of a bar \[days\].
+const WIDTH: f64 = 0.36;
+
+/// Where flags are drawn.
+const FLAG: f64 = 1.07;
+
+/// What is known about mailbox and mail, and what is observed.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MailboxConfig {
@@ -34,7 +41,7 @@ pub struct MailboxConfig {
     pub flags: Vec<Flag>,
 }
 
-/// What somebody who passes by sees.
+/// What is observed on a day.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Flag {
@@ -42,7 +49,7 @@ pub enum Flag {
     Up,
     /// It is down.
     Down,
-    /// Nobody passes by.
+    /// No observation.
     Unseen,
 }
 
@@ -64,10 +71,9 @@ pub struct Day {
     pub believed: f64,
 }
 
-/// The mailbox, diagnosed and watched.
+/// The diagnosis, and the belief over the days.
 #[derive(Debug, Clone)]
 pub struct MailboxDiagnosis {
-    config: MailboxConfig,
     /// P(flag up) before anything was seen.
     pub up: f64,
     /// P(full | flag up).
@@ -79,18 +85,6 @@ pub struct MailboxDiagnosis {
 }
 
 impl MailboxConfig {
-    pub(super) fn check(&self) -> Result<()> {
-        probability("demonstration.full_at_first", self.full_at_first)?;
-        probability("demonstration.flag_up_if_full", self.flag_up_if_full)?;
-        probability("demonstration.flag_up_if_empty", self.flag_up_if_empty)?;
-        probability("demonstration.mail_comes", self.mail_comes)?;
-        probability("demonstration.taken_out", self.taken_out)?;
-        match self.flags.len() {
-            1..=366 => Ok(()),
-            days => Err(field("demonstration.flags", "1 to 366 days", &days.to_string())),
-        }
-    }
-
     fn start(&self) -> Result<Discrete<Mailbox>> {
         let full = self.full_at_first;
         Ok(Discrete::new([(Mailbox::Full, full), (Mailbox::Empty, 1.0 - full)])?)
@@ -118,34 +112,27 @@ impl MailboxConfig {
             (Mailbox::Full, Mailbox::Full) => 1.0 - self.taken_out,
         }
     }
-}
 
-fn full(belief: &Discrete<Mailbox>) -> f64 {
-    belief.probability(|state| *state == Mailbox::Full)
-}
-
-impl MailboxDiagnosis {
-    /// Diagnoses and watches the mailbox.
+    /// Diagnoses the mailbox, and filters over its days.
     ///
     /// # Errors
-    /// Values out of range, and flags that cannot be.
-    pub fn new(config: &MailboxConfig) -> Result<Self> {
-        config.check()?;
-        let start = config.start()?;
-        let diagnose = |flag| bayes::posterior(&start, |state| config.likelihood(flag, *state));
+    /// Values out of range, and impossible flags.
+    pub fn diagnose(&self) -> Result<MailboxDiagnosis> {
+        self.check()?;
+        let start = self.start()?;
+        let diagnose = |flag| bayes::posterior(&start, |state| self.likelihood(flag, *state));
         let (if_up, if_down) = (diagnose(Flag::Up)?, diagnose(Flag::Down)?);
         let mut filter = DiscreteFilter::new(start.clone());
-        let mut days = Vec::with_capacity(config.flags.len());
-        for (day, &flag) in config.flags.iter().enumerate() {
+        let mut days = Vec::with_capacity(self.flags.len());
+        for (day, &flag) in self.flags.iter().enumerate() {
             if day > 0 {
-                filter.predict(|from, to| config.transition(*from, *to))?;
+                filter.predict(|from, to| self.transition(*from, *to))?;
             }
             let predicted = full(filter.belief());
-            filter.correct(|state| config.likelihood(flag, *state))?;
+            filter.correct(|state| self.likelihood(flag, *state))?;
             days.push(Day { predicted, flag, believed: full(filter.belief()) });
         }
         Ok(MailboxDiagnosis {
-            config: config.clone(),
             up: if_up.evidence(),
             full_if_up: full(&if_up.distribution),
             full_if_down: full(&if_down.distribution),
@@ -153,37 +140,87 @@ impl MailboxDiagnosis {
         })
     }
 
-    /// The diagnosis as a figure and numbers.
-    pub fn illustrate(&self, title: &str) -> Illustration {
-        let MailboxConfig { full_at_first, flag_up_if_full, flag_up_if_empty, .. } = self.config;
+    fn draw(&self, diagnosis: &MailboxDiagnosis, title: &str) -> FigureFile {
+        let days = || diagnosis.days.iter().enumerate().map(|(k, day)| (k as f64 + 1.0, day));
+        let predicted = days().map(|(x, day)| (x - 0.5 * WIDTH, day.predicted));
+        let believed = days().map(|(x, day)| (x + 0.5 * WIDTH, day.believed));
+        let seen = |flag: Flag| {
+            let of_flag = days().filter(move |(_, day)| day.flag == flag);
+            of_flag.map(|(x, _)| (x, FLAG))
+        };
+        let chart = Chart::new("P(full)").y_range(0.0, 1.15);
+        let chart = chart
+            .bars(Role::Method(0), "before the flag is seen", WIDTH, predicted)
+            .bars(Role::Method(1), "after", WIDTH, believed)
+            .points(Role::Truth.width(7.0), "flag up", seen(Flag::Up))
+            .points(Role::Measurement.width(7.0), "flag down", seen(Flag::Down));
+        let subtitle = format!(
+            "P(full | up) = {:.3}, P(full | down) = {:.3} on the first day; without a flag the belief \
+         drifts to {:.3}",
+            diagnosis.full_if_up,
+            diagnosis.full_if_down,
+            self.stationary()
+        );
+        let svg = Figure::new(title).subtitle(subtitle).x_label("day").panel(chart).render();
+        FigureFile::new("mailbox.svg", "Belief in a full mailbox, day by day", svg)
+    }
+
+    /// P(full) after many days without an observation.
+    fn stationary(&self) -> f64 {
+        let (comes, out) = (self.mail_comes, self.taken_out);
+        if comes + out > 0.0 { comes / (comes + out) } else { self.full_at_first }
+    }
+}
+
+impl Demonstration for MailboxConfig {
+    fn check(&self) -> Result<()> {
+        probability("demonstration.full_at_first", self.full_at_first)?;
+        probability("demonstration.flag_up_if_full", self.flag_up_if_full)?;
+        probability("demonstration.flag_up_if_empty", self.flag_up_if_empty)?;
+        probability("demonstration.mail_comes", self.mail_comes)?;
+        probability("demonstration.taken_out", self.taken_out)?;
+        match self.flags.len() {
+            1..=366 => Ok(()),
+            days => Err(field("demonstration.flags", "1 to 366 days", &days.to_string())),
+        }
+    }
+
+    fn run(&self, title: &str, _seed: u64) -> Result<Illustration> {
+        let diagnosis = self.diagnose()?;
+        let MailboxDiagnosis { up, full_if_up, full_if_down, days } = &diagnosis;
+        let MailboxConfig { full_at_first, flag_up_if_full, flag_up_if_empty, .. } = self;
         let mut lines = vec![
             format!(
                 "P(full) = {full_at_first}, P(up | full) = {flag_up_if_full}, P(up | empty) = {flag_up_if_empty}"
             ),
-            format!("P(up) = {:.4}", self.up),
-            format!("P(full | up) = {:.4}", self.full_if_up),
-            format!("P(full | down) = {:.4}", self.full_if_down),
+            format!("P(up) = {up:.4}"),
+            format!("P(full | up) = {full_if_up:.4}"),
+            format!("P(full | down) = {full_if_down:.4}"),
             format!(
                 "{:<5}{:>20}{:>10}{:>20}",
                 "day", "P(full) predicted", "flag", "P(full) believed"
             ),
         ];
-        lines.extend(self.days.iter().enumerate().map(|(k, day)| {
+        lines.extend(days.iter().enumerate().map(|(k, day)| {
             let Day { predicted, flag, believed } = day;
             format!("{:<5}{predicted:>20.4}{:>10}{believed:>20.4}", k + 1, flag.name())
         }));
-        let days = self.days.iter().map(|day| {
+        let rows = days.iter().map(|day| {
             let Day { predicted, flag, believed } = *day;
             json!({"predicted_full": predicted, "flag": flag.name(), "believed_full": believed})
         });
         let summary = json!({
-            "up": self.up,
-            "full_if_up": self.full_if_up,
-            "full_if_down": self.full_if_down,
-            "days": days.collect::<Vec<_>>(),
+            "up": up,
+            "full_if_up": full_if_up,
+            "full_if_down": full_if_down,
+            "days": rows.collect::<Vec<_>>(),
         });
-        Illustration::new(lines, summary, vec![figure::figure(self, title)])
+        Ok(Illustration::new(lines, summary, vec![self.draw(&diagnosis, title)]))
     }
+}
+
+fn full(belief: &Discrete<Mailbox>) -> f64 {
+    belief.probability(|state| *state == Mailbox::Full)
 }
 
 impl Flag {

@@ -7,14 +7,14 @@
 //! of the normal distribution. Two draws that share a part are correlated, and the sample shows by
 //! how much.
 
-mod figure;
-
-use super::count;
+use super::{Demonstration, check_count};
 use crate::Result;
 use crate::output::Illustration;
+use crate::output::figures::FigureFile;
 use loc_core::error::{positive, probability};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::sampling::{box_muller, inverse_cdf, triangular, twelve_rule};
+use loc_plot::{Chart, Figure, Role};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -28,15 +28,6 @@ pub struct SamplingConfig {
     pub sigma: f64,
     /// Correlation of the pairs, in \[0, 1\].
     pub correlation: f64,
-}
-
-impl SamplingConfig {
-    pub(super) fn check(&self) -> Result<()> {
-        count("demonstration.draws", self.draws, 10_000_000)?;
-        positive("demonstration.sigma", self.sigma)?;
-        probability("demonstration.correlation", self.correlation)?;
-        Ok(())
-    }
 }
 
 /// A way to draw, with what came of it.
@@ -53,7 +44,6 @@ pub struct Drawn {
 /// Draws of every kind.
 #[derive(Debug, Clone)]
 pub struct Sampling {
-    config: SamplingConfig,
     /// Each kind by itself.
     pub kinds: Vec<Drawn>,
     /// Pairs that share a part.
@@ -100,14 +90,21 @@ fn triangle(x: f64, sigma: f64) -> f64 {
     (1.0 - x.abs() / half).max(0.0) / half
 }
 
-impl Sampling {
+/// Bars over +-4 standard deviations.
+const BARS: usize = 48;
+const REACH: f64 = 4.0;
+
+/// Pairs that are drawn.
+const MAX_PAIRS: usize = 1500;
+
+impl SamplingConfig {
     /// Draws everything.
     ///
     /// # Errors
     /// Values out of range.
-    pub fn new(config: &SamplingConfig, seed: u64) -> Result<Self> {
-        config.check()?;
-        let SamplingConfig { draws, sigma, correlation } = *config;
+    pub fn draw(&self, seed: u64) -> Result<Sampling> {
+        self.check()?;
+        let SamplingConfig { draws, sigma, correlation } = *self;
         let kinds = KINDS.map(|(name, draw, density)| {
             let mut rng = stream(seed, name);
             let values = (0..draws).map(|_| draw(sigma, &mut rng)).collect();
@@ -119,9 +116,68 @@ impl Sampling {
             let (a, b) = box_muller(&mut rng);
             (sigma * a, sigma * (correlation * a + own * b))
         });
-        Ok(Sampling { config: config.clone(), kinds: kinds.into(), pairs: pairs.collect() })
+        Ok(Sampling { kinds: kinds.into(), pairs: pairs.collect() })
     }
 
+    fn figures(&self, sampling: &Sampling, title: &str) -> Vec<FigureFile> {
+        let mut figure = Figure::new(title)
+            .subtitle(format!(
+                "{} draws of each kind; bars counted, lines as they should be",
+                self.draws
+            ))
+            .x_label("x");
+        for kind in &sampling.kinds {
+            figure = figure.panel(histogram(kind, self.sigma));
+        }
+        let pairs = sampling.pairs.iter().take(MAX_PAIRS).copied();
+        let given = self.correlation;
+        let chart = Chart::new("y").points(Role::Method(0).width(2.5), "", pairs);
+        let pairs = Figure::new("Two random numbers that share a part")
+            .subtitle(format!(
+                "Correlation {:.3} in the sample, {given} in the draw",
+                sampling.correlation()
+            ))
+            .x_label("x")
+            .panel(chart);
+        let caption = "Histograms of four ways to draw, under the densities they should have";
+        vec![
+            FigureFile::new("sampling.svg", caption, figure.render()),
+            FigureFile::new("correlation.svg", "Pairs of correlated draws", pairs.render()),
+        ]
+    }
+}
+
+impl Demonstration for SamplingConfig {
+    fn check(&self) -> Result<()> {
+        check_count("demonstration.draws", self.draws, 10_000_000)?;
+        positive("demonstration.sigma", self.sigma)?;
+        probability("demonstration.correlation", self.correlation)?;
+        Ok(())
+    }
+
+    fn run(&self, title: &str, seed: u64) -> Result<Illustration> {
+        let sampling = self.draw(seed)?;
+        let mut lines = vec![format!(
+            "{:<28}{:>10}{:>10}{:>9}{:>9}{:>9}",
+            "", "mean", "sigma", "within 1", "2", "3 sigma"
+        )];
+        let exact = Moments { mean: 0.0, sigma: self.sigma, within: [0.6827, 0.9545, 0.9973] };
+        lines.push(exact.line("normal distribution"));
+        lines.extend(sampling.kinds.iter().map(|kind| kind.moments().line(kind.name)));
+        let correlation = sampling.correlation();
+        let given = self.correlation;
+        lines.push(format!("correlation of the pairs: {correlation:.4}, drawn with {given}"));
+        let kinds = sampling.kinds.iter().map(|kind| {
+            let Moments { mean, sigma, within } = kind.moments();
+            json!({"name": kind.name, "mean": mean, "sigma": sigma, "within": within})
+        });
+        let kinds: Vec<_> = kinds.collect();
+        let summary = json!({"draws": self.draws, "kinds": kinds, "correlation": correlation});
+        Ok(Illustration::new(lines, summary, self.figures(&sampling, title)))
+    }
+}
+
+impl Sampling {
     /// The correlation of the pairs (F2).
     pub fn correlation(&self) -> f64 {
         let count = self.pairs.len() as f64;
@@ -130,29 +186,6 @@ impl Sampling {
         let covariance = mean(&|pair| (pair.0 - x) * (pair.1 - y));
         let variances = mean(&|pair| (pair.0 - x).powi(2)) * mean(&|pair| (pair.1 - y).powi(2));
         covariance / variances.sqrt()
-    }
-
-    /// The draws as figures and numbers.
-    pub fn illustrate(&self, title: &str) -> Illustration {
-        let mut lines = vec![format!(
-            "{:<28}{:>10}{:>10}{:>9}{:>9}{:>9}",
-            "", "mean", "sigma", "within 1", "2", "3 sigma"
-        )];
-        let exact =
-            Moments { mean: 0.0, sigma: self.config.sigma, within: [0.6827, 0.9545, 0.9973] };
-        lines.push(exact.line("normal distribution"));
-        lines.extend(self.kinds.iter().map(|kind| kind.moments().line(kind.name)));
-        let correlation = self.correlation();
-        let given = self.config.correlation;
-        lines.push(format!("correlation of the pairs: {correlation:.4}, drawn with {given}"));
-        let kinds = self.kinds.iter().map(|kind| {
-            let Moments { mean, sigma, within } = kind.moments();
-            json!({"name": kind.name, "mean": mean, "sigma": sigma, "within": within})
-        });
-        let kinds: Vec<_> = kinds.collect();
-        let summary =
-            json!({"draws": self.config.draws, "kinds": kinds, "correlation": correlation});
-        Illustration::new(lines, summary, figure::figures(self, title))
     }
 }
 
@@ -177,4 +210,23 @@ impl Moments {
         let Moments { mean, sigma, .. } = self;
         format!("{name:<28}{mean:>10.4}{sigma:>10.4}{one:>9.4}{two:>9.4}{three:>9.4}")
     }
+}
+
+fn histogram(kind: &Drawn, sigma: f64) -> Chart {
+    let width = 2.0 * REACH * sigma / BARS as f64;
+    let middle = |bar: usize| (bar as f64 + 0.5) * width - REACH * sigma;
+    let mut counts = [0_u32; BARS];
+    for value in &kind.values {
+        let place = ((value + REACH * sigma) / width).floor();
+        if (0.0..BARS as f64).contains(&place) {
+            counts[place as usize] += 1;
+        }
+    }
+    let scale = 1.0 / (width * kind.values.len() as f64);
+    let counted = (0..BARS).map(|bar| (middle(bar), f64::from(counts[bar]) * scale));
+    let chart = Chart::new(format!("density, {}", kind.name));
+    let chart = chart.bars(Role::Method(0), "", width, counted);
+    let points = (0..=400).map(|k| (f64::from(k) / 200.0 - 1.0) * REACH * sigma);
+    let density = kind.density;
+    chart.line(Role::Truth, "", points.map(|x| (x, density(x, sigma))))
 }
