@@ -1,15 +1,20 @@
-//! Charts over a shared axis, mostly time.
+//! Charts: quantities over one another, in one panel.
 
-use crate::axis::{Area, Axis, NAME_HEIGHT, Step, TICK_SIZE};
-use crate::header::{Glyph, Legend};
+use crate::axis::{Area, Axis, TICK_SIZE};
 use crate::labels::Room;
 use crate::marks::Px;
 use crate::style::{Paint, Role, Style};
 use crate::text::Anchor;
 use crate::writer::{Element, Writer};
-use crate::{WIDTH, drawable, header, marks, text};
+use crate::{drawable, marks, text};
 
-/// Quantities over one another: lines, bands, points and limits. One panel of a [`Figure`].
+/// Width of the columns in which lines are thinned \[px\].
+const COLUMN: f64 = 0.5;
+/// Below this share of the largest value, positive data come near 0.
+const NEAR_ZERO: f64 = 0.4;
+
+/// Quantities over one another: lines, bands, points and limits. One panel of a
+/// [`Figure`](crate::Figure).
 ///
 /// Values that are not finite break a line or band; on a logarithmic axis so do values that are
 /// not positive. A label names a series in the figure's legend; series of the same colour and
@@ -17,31 +22,21 @@ use crate::{WIDTH, drawable, header, marks, text};
 #[derive(Debug, Clone, Default)]
 pub struct Chart {
     y_label: String,
-    series: Vec<Series>,
+    pub(crate) series: Vec<Series>,
     references: Vec<(f64, String)>,
     y_range: Option<(f64, f64)>,
     log: bool,
 }
 
-/// Charts above each other that share the x axis, with a title and one legend.
-#[derive(Debug, Clone, Default)]
-pub struct Figure {
-    title: String,
-    subtitle: String,
-    x_label: String,
-    panels: Vec<Chart>,
-    marks: Vec<(f64, String)>,
+#[derive(Debug, Clone)]
+pub(crate) struct Series {
+    pub(crate) style: Style,
+    pub(crate) label: String,
+    pub(crate) data: Data,
 }
 
 #[derive(Debug, Clone)]
-struct Series {
-    style: Style,
-    label: String,
-    data: Data,
-}
-
-#[derive(Debug, Clone)]
-enum Data {
+pub(crate) enum Data {
     Line(Vec<(f64, f64)>),
     Points(Vec<(f64, f64)>),
     /// x, lower, upper.
@@ -150,19 +145,19 @@ impl Chart {
     }
 
     /// Whether any series has a value to show.
-    pub(crate) fn has_data(&self) -> bool {
+    fn has_data(&self) -> bool {
         let mut any = false;
         self.for_each_value(|_, _| any = true);
         any
     }
 
     /// Whether there is nothing at all that a y axis could tell about.
-    pub(crate) fn is_blank(&self) -> bool {
+    fn is_blank(&self) -> bool {
         !self.has_data() && self.references.is_empty() && self.y_range.is_none()
     }
 
     /// The interval of y: the fixed one where it is valid, else what the data need.
-    pub(crate) fn y_interval(&self) -> (f64, f64) {
+    fn y_interval(&self) -> (f64, f64) {
         let usable = |v: f64| drawable(v) && (v > 0.0 || !self.log);
         if let Some((low, high)) = self.y_range
             && usable(low)
@@ -185,7 +180,7 @@ impl Chart {
     }
 
     /// Visits all (x, y) that can be shown.
-    fn for_each_value(&self, mut visit: impl FnMut(f64, f64)) {
+    pub(crate) fn for_each_value(&self, mut visit: impl FnMut(f64, f64)) {
         let mut visit = |x: f64, y: f64| {
             if drawable(x) && drawable(y) && (y > 0.0 || !self.log) {
                 visit(x, y);
@@ -209,68 +204,7 @@ impl Chart {
     }
 }
 
-impl Figure {
-    /// A figure without panels; a title of many words takes two lines.
-    pub fn new(title: impl Into<String>) -> Self {
-        Figure { title: title.into(), ..Figure::default() }
-    }
-
-    /// A line under the title, in smaller letters.
-    #[must_use]
-    pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
-        self.subtitle = subtitle.into();
-        self
-    }
-
-    /// The name of the shared axis, with its unit: `"time [s]"`.
-    #[must_use]
-    pub fn x_label(mut self, x_label: impl Into<String>) -> Self {
-        self.x_label = x_label.into();
-        self
-    }
-
-    /// A vertical line through all charts, with its label in the first one: a moment when
-    /// something happened.
-    #[must_use]
-    pub fn mark(mut self, x: f64, label: impl Into<String>) -> Self {
-        self.marks.push((x, label.into()));
-        self
-    }
-
-    /// Adds a chart below those before.
-    #[must_use]
-    pub fn panel(mut self, chart: Chart) -> Self {
-        self.panels.push(chart);
-        self
-    }
-
-    /// The SVG file.
-    pub fn render(&self) -> String {
-        draw(self)
-    }
-
-    /// The x values of all panels, from the least to the largest, rounded outwards by at most half
-    /// a percent each; none without data.
-    pub(crate) fn x_range(&self) -> Option<(f64, f64)> {
-        let mut range = None;
-        for chart in &self.panels {
-            chart.for_each_value(|x, _| include(&mut range, x));
-        }
-        let (low, high) = range?;
-        if high - low > 1e-9 * low.abs().max(high.abs()) {
-            let step = Step::at_least((high - low) / 200.0).size();
-            return Some(((low / step).floor() * step, (high / step).ceil() * step));
-        }
-        // A single instant gets a little time around it.
-        let half = f64::max(0.5, 1e-9 * low.abs());
-        Some((low - half, high + half))
-    }
-}
-
-/// Below this share of the largest value, positive data come near 0.
-const NEAR_ZERO: f64 = 0.4;
-
-fn include(range: &mut Option<(f64, f64)>, value: f64) {
+pub(crate) fn include(range: &mut Option<(f64, f64)>, value: f64) {
     let (low, high) = range.get_or_insert((value, value));
     (*low, *high) = (low.min(value), high.max(value));
 }
@@ -297,73 +231,13 @@ fn with_room_log(low: f64, high: f64) -> (f64, f64) {
     if high > low { (low / factor, high * factor) } else { (low / 3.0, high * 3.0) }
 }
 
-/// Room to the right of the panels \[px\].
-const RIGHT: f64 = 20.0;
-/// Room between panels \[px\].
-const GAP: f64 = 12.0;
-/// Width of the columns in which lines are thinned \[px\].
-const COLUMN: f64 = 0.5;
-
-pub(crate) fn draw(figure: &Figure) -> String {
-    let mut writer = Writer::default();
-    let mut end = header::draw(&mut writer, &figure.title, &figure.subtitle, &legend(figure));
-    let empty = [Chart::default()];
-    let panels: &[Chart] = if figure.panels.is_empty() { &empty } else { &figure.panels };
-    let height = panel_height(panels.len());
-    let left = label_width(panels, height).max(16.0) + 14.0;
-    let width = WIDTH - left - RIGHT;
-    let range = figure.x_range();
-    let mut x = Axis::linear(range.unwrap_or((0.0, 1.0)), (left, left + width));
-    if range.is_some() {
-        x = x.across();
-    }
-    let mut area = None;
-    for chart in panels {
-        let top = end + NAME_HEIGHT;
-        let panel = Area { left, top, width, height };
-        draw_panel(&mut writer, chart, &panel, &x);
-        draw_marks(&mut writer, &figure.marks, area.is_none(), &panel, &x);
-        end = panel.bottom() + GAP;
-        area = Some(panel);
-    }
-    if let Some(lowest) = area {
-        end = lowest.draw_x_axis(&mut writer, &x, &figure.x_label);
-    }
-    writer.finish(&figure.title, end)
-}
-
-fn panel_height(panels: usize) -> f64 {
-    match panels {
-        0 | 1 => 290.0,
-        2 => 190.0,
-        _ => 140.0,
-    }
-}
-
-fn y_axis(chart: &Chart, pixels: (f64, f64)) -> Axis {
+pub(crate) fn y_axis(chart: &Chart, pixels: (f64, f64)) -> Axis {
     let range = chart.y_interval();
     let axis = if chart.log { Axis::log(range, pixels) } else { Axis::linear(range, pixels) };
     if chart.is_blank() { axis } else { axis.upwards() }
 }
 
-fn label_width(panels: &[Chart], height: f64) -> f64 {
-    panels.iter().map(|chart| y_axis(chart, (height, 0.0)).label_width()).fold(0.0, f64::max)
-}
-
-fn legend(figure: &Figure) -> Legend {
-    let mut legend = Legend::default();
-    for series in figure.panels.iter().flat_map(|chart| &chart.series) {
-        let glyph = match series.data {
-            Data::Line(_) => Glyph::Line,
-            Data::Points(_) => Glyph::Dots,
-            Data::Band(_) => Glyph::Band,
-        };
-        legend.add(&series.label, glyph, series.style);
-    }
-    legend
-}
-
-fn draw_panel(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis) {
+pub(crate) fn draw_panel(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis) {
     let y = y_axis(chart, (area.bottom(), area.top));
     area.draw_grid(writer, x, &y);
     area.open_clip(writer, 3.0);
@@ -399,7 +273,7 @@ fn draw_series(writer: &mut Writer, series: &Series, x: &Axis, y: &Axis) {
     }
 }
 
-pub(crate) fn pixels(points: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<Px> {
+fn pixels(points: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<Px> {
     let px = |axis: &Axis, v: f64| if drawable(v) { axis.px(v) } else { f64::NAN };
     points.iter().map(|&(u, v)| (px(x, u), px(y, v))).collect()
 }
@@ -443,7 +317,7 @@ fn draw_band(writer: &mut Writer, style: Style, parts: &[(Vec<Px>, Vec<Px>)]) {
 }
 
 /// Horizontal lines to compare with.
-pub(crate) fn draw_lines(writer: &mut Writer, chart: &Chart, area: &Area, y: &Axis) {
+fn draw_lines(writer: &mut Writer, chart: &Chart, area: &Area, y: &Axis) {
     for (value, _) in &chart.references {
         let at = y.px(*value);
         let line = [(area.left, at), (area.right(), at)];
@@ -451,36 +325,9 @@ pub(crate) fn draw_lines(writer: &mut Writer, chart: &Chart, area: &Area, y: &Ax
     }
 }
 
-/// Vertical lines, and with `named` what happened there.
-pub(crate) fn draw_marks(
-    writer: &mut Writer,
-    marks: &[(f64, String)],
-    named: bool,
-    area: &Area,
-    x: &Axis,
-) {
-    for (value, label) in marks {
-        let at = x.px(*value);
-        if !(area.left..=area.right()).contains(&at) {
-            continue;
-        }
-        let line = [(at, area.top), (at, area.bottom())];
-        marks::draw_line(writer, Role::Truth.dashed().width(1.1), &line);
-        if named {
-            let width = text::width(label, TICK_SIZE);
-            let left = at + 6.0 + width > area.right();
-            let (at, anchor) =
-                if left { (at - 6.0, Anchor::End) } else { (at + 6.0, Anchor::Start) };
-            let place = (at, area.top + 15.0);
-            let element = text::element(place, TICK_SIZE, anchor, Paint::INK);
-            text::draw_with_halo(writer, element, label);
-        }
-    }
-}
-
 /// The labels of horizontal lines, above or below the line and at its right or left end, wherever
 /// they cover least.
-pub(crate) fn draw_labels(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis, y: &Axis) {
+fn draw_labels(writer: &mut Writer, chart: &Chart, area: &Area, x: &Axis, y: &Axis) {
     let named = |(value, label): &&(f64, String)| y.px(*value).is_finite() && !label.is_empty();
     let references: Vec<_> = chart.references.iter().filter(named).collect();
     if references.is_empty() {

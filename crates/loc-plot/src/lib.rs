@@ -3,6 +3,7 @@
 mod axis;
 mod chart;
 pub mod color;
+mod figure;
 mod frames;
 mod header;
 mod labels;
@@ -16,7 +17,8 @@ mod view;
 mod writer;
 
 pub use axis::{Tick, linear_ticks, log_ticks};
-pub use chart::{Chart, Figure};
+pub use chart::Chart;
+pub use figure::Figure;
 pub use frames::Frames;
 pub use marks::{simplify, thin_columns};
 pub use perspective::Perspective;

@@ -212,7 +212,7 @@ pub(crate) fn is_place((x, y): (f64, f64)) -> bool {
     drawable(x) && drawable(y)
 }
 
-pub(crate) fn draw(scene: &Scene) -> String {
+fn draw(scene: &Scene) -> String {
     let mut writer = Writer::default();
     let legend = legend_of(&scene.items);
     let top = header::draw(&mut writer, &scene.title, &scene.subtitle, &legend) + NAME_HEIGHT;
