@@ -1,9 +1,8 @@
 //! Markov localization on a topological map (K1, C4): in which room is the robot?
 //!
-//! Rooms, corridors and doors are found in the grid of a building, and the robot learns what each
-//! of them steps like to its laser. Then it drives a tour, starting anywhere. It knows how far it
-//! has driven, not in which direction, and what it sees. The belief is a probability for each
-//! place.
+//! Rooms, corridors and doors are extracted from the grid of a building, and typical laser scans of
+//! each are learned. Then the robot drives a tour from an unknown start. It measures the distance
+//! travelled, not the direction, and scans. The belief is a probability for each place.
 
 use super::{Demonstration, check_count};
 use crate::Result;
@@ -41,7 +40,7 @@ pub struct TopologicalConfig {
     pub look_every_m: f64,
     /// As which share of an independent scan each one counts.
     pub independence: f64,
-    /// How often a scan steps like in none of the places.
+    /// Probability of a scan that fits none of the places.
     pub surprise: f64,
 }
 
@@ -56,7 +55,7 @@ const TRIES: usize = 200;
 /// How far spots of a door lie from its middle, along both axes \[m\].
 const DOOR_DEPTH: f64 = 0.4;
 
-/// Doors are at least this wide when it is asked whether the robot is in one \[m\].
+/// Least width of a door in deciding whether the robot is in it \[m\].
 const DOOR: f64 = 0.8;
 
 /// The belief after one observation.

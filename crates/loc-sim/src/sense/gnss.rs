@@ -54,12 +54,12 @@ fn take(station: &Station) -> Result<Taken> {
     let receiver = Gnss::new(frame).with_noise(settings.noise)?.with_outages(settings.outages)?;
     let drive = station.drive(&settings.drive)?;
     let every = (settings.interval / settings.drive.time_step).round().clamp(1.0, 1e6) as usize;
-    let asked: Vec<&Step> = drive.steps.iter().skip(every - 1).step_by(every).collect();
-    let fixes = fixes(station, &settings, receiver, &frame, &asked);
+    let steps: Vec<&Step> = drive.steps.iter().skip(every - 1).step_by(every).collect();
+    let fixes = fixes(station, &settings, receiver, &frame, &steps);
 
     let mut taken = Taken::new(drive.start, &settings);
     let error = |of: fn(&Fix) -> f64| rms(fixes.iter().map(of));
-    taken.tell("asked", asked.len());
+    taken.tell("asked", steps.len());
     taken.tell("fixes", fixes.len());
     taken.tell("sigma_m", settings.noise.sigma());
     taken.tell("east_error_rms_m", error(|fix| fix.error.x));
@@ -77,7 +77,7 @@ fn take(station: &Station) -> Result<Taken> {
         }),
     );
     taken.folder.add("gnss.svg", over_map(station, &frame, &drive, &fixes));
-    taken.folder.add("errors.svg", in_time(&settings, &asked, &fixes, station.preset));
+    taken.folder.add("errors.svg", in_time(&settings, &steps, &fixes, station.preset));
     Ok(taken)
 }
 
@@ -86,7 +86,7 @@ fn fixes(
     settings: &Settings,
     mut receiver: Gnss,
     frame: &LocalFrame,
-    asked: &[&Step],
+    steps: &[&Step],
 ) -> Vec<Fix> {
     let mut rng = station.errors();
     let one = |step: &&Step| {
@@ -94,7 +94,7 @@ fn fixes(
         let truth = Vector3::new(step.pose.x, step.pose.y, 0.0);
         Some(Fix { time: step.time, error: frame.to_enu(&fix.position) - truth, fix })
     };
-    asked.iter().filter_map(one).collect()
+    steps.iter().filter_map(one).collect()
 }
 
 fn over_map(station: &Station, frame: &LocalFrame, drive: &Drive, fixes: &[Fix]) -> String {
@@ -111,10 +111,10 @@ fn over_map(station: &Station, frame: &LocalFrame, drive: &Drive, fixes: &[Fix])
         .render()
 }
 
-fn in_time(settings: &Settings, asked: &[&Step], fixes: &[Fix], preset: &str) -> String {
+fn in_time(settings: &Settings, steps: &[&Step], fixes: &[Fix], preset: &str) -> String {
     // A line breaks where there is no fix.
     let mut next = fixes.iter().peekable();
-    let rows: Vec<(f64, Vector3<f64>)> = asked
+    let rows: Vec<(f64, Vector3<f64>)> = steps
         .iter()
         .map(|step| {
             let found = next.next_if(|fix| fix.time <= step.time + 1e-9);

@@ -20,7 +20,7 @@ const WIDE: f64 = 5.0;
 const PLACES: usize = 300;
 const HEADINGS: usize = 16;
 
-/// A grid with what is asked of it.
+/// A grid, prepared for casting rays and for distances to its walls.
 #[derive(Debug)]
 pub struct Place {
     name: String,

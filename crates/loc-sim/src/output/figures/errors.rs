@@ -83,7 +83,7 @@ fn mean(mut values: impl ExactSizeIterator<Item = f64>, power: f64) -> f64 {
     }
     let known = values.filter(|value| value.is_finite());
     let (sum, known) = known.fold((0.0, 0.0), |(s, n), v| (s + v.abs().powf(power), n + 1.0));
-    // Of a window that is mostly unknown nothing is told.
+    // A window that is mostly unknown has no mean.
     if 2.0 * known < count { f64::NAN } else { (sum / known).powf(1.0 / power) }
 }
 

@@ -107,7 +107,7 @@ fn line(run: &Run, k: usize) -> Style {
     }
 }
 
-/// The estimated path, broken where a method of particles changes its mind: nobody drove there.
+/// The estimated path, broken where the estimate of a particle filter jumps: no path leads there.
 fn estimated_path(record: &MethodRecord) -> Vec<(f64, f64)> {
     let mut path = Vec::with_capacity(record.estimates.len());
     let mut last: Option<Pose2> = None;

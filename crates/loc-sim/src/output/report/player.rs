@@ -93,7 +93,7 @@ struct Hypotheses {
 }
 
 impl Player {
-    /// The run, at the moments that its film has; `None` for one that nobody filmed, and for a
+    /// The run, at the moments of its film; `None` without a film, and for a
     /// vehicle on a rail, which has no map to show.
     pub(super) fn of(run: &Run) -> Option<Self> {
         let film = run.film.as_ref().filter(|film| !film.frames.is_empty())?;
