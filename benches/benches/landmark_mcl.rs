@@ -10,6 +10,8 @@ use loc_core::gaussian::pose_belief;
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
+use loc_filters::Localizer;
+use loc_filters::delayed::Delayed;
 use loc_maps::{Landmark, LandmarkMap};
 use loc_pf::motion::VelocityStep;
 use loc_pf::sensor::landmark::{LandmarkLikelihood, ObservationModel};
@@ -100,7 +102,8 @@ fn step(c: &mut Criterion) {
         ..LandmarkMclSettings::default()
     };
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
-    let mut mcl = LandmarkMcl::new(map.clone(), settings, 0.0, &start, rng).expect("valid");
+    let mcl = LandmarkMcl::new(map.clone(), settings, 0.0, &start, rng).expect("valid");
+    let mut mcl = Delayed::new(mcl, 2.0).expect("valid");
     mcl.velocity(0.0, TWIST).expect("finite");
     let mut stamp = 0.0;
     group.bench_function("LandmarkMcl", |bencher| {

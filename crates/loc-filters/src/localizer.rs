@@ -350,6 +350,13 @@ pub struct EstimatedMap {
     pub landmarks: Vec<MapLandmark>,
 }
 
+impl EstimatedMap {
+    /// Number of landmarks that are not provisional.
+    pub fn confirmed(&self) -> usize {
+        self.landmarks.iter().filter(|landmark| landmark.confirmed).count()
+    }
+}
+
 /// A systematic error of a sensor, as a method estimates it.
 ///
 /// ```

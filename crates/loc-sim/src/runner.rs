@@ -6,18 +6,19 @@
 //! 2. [`run_observed`] passes the event to every method;
 //! 3. the method's [`Localizer::correct`] updates the filter of `loc-filters` or `loc-pf` with it
 //!    (for particles: beams are selected, weighted by their likelihood, and the set is resampled);
-//! 4. its [`Judgement`]s go into the [`MethodRecord`];
+//! 4. its [`Outcome`]s go into the [`MethodRecord`];
 //! 5. at the next sample time, [`Localizer::estimate`] gives the pose and its covariance.
 //!
 //! The finished [`Run`] holds all estimates with the truth at the same stamps;
 //! [`Summary`](crate::metrics::Summary) computes the errors from it.
 
-use crate::localizer::{Judgement, Localizer, Method, MethodSettings, smoothed};
+use crate::localizer::{Method, MethodSettings};
 use crate::metrics::BeamFit;
 use crate::record::{MethodRecord, Run};
 use crate::source::{Setup, Source};
 use crate::{Error, Result};
 use loc_core::{Pose2, Stamped};
+use loc_filters::localizer::{Localizer, Outcome};
 use loc_sensors::event::{Event, Measurement, Payload, Truth};
 use loc_sensors::laser::LaserScan;
 use std::sync::Arc;
@@ -169,9 +170,9 @@ impl Runner {
         match &event.payload {
             Payload::Control(control) => self.localizer.predict(stamp, control)?,
             Payload::Measurement(measurement) => {
-                let judgements = self.localizer.correct(stamp, measurement)?;
-                let stamped = judgements.into_iter().map(|value| Stamped { stamp, value });
-                self.record.judgements.extend(stamped);
+                let outcomes = self.localizer.correct(stamp, measurement)?;
+                let stamped = outcomes.into_iter().map(|value| Stamped { stamp, value });
+                self.record.outcomes.extend(stamped);
             }
             Payload::Truth(_) => return Ok(()),
         }
@@ -183,7 +184,7 @@ impl Runner {
         if is_scan(event) {
             self.pose_at_scan = Some(self.localizer.estimate(stamp)?.pose);
         }
-        if let Some(update) = self.localizer.lines().filter(|_| is_scan(event)) {
+        if let Some(update) = self.localizer.line_matches().filter(|_| is_scan(event)) {
             self.record.lines.offer(stamp, update);
         }
         Ok(())
@@ -205,10 +206,10 @@ impl Runner {
 
     /// Records particles or grid for figures; this does not count as computing time.
     fn record_belief(&mut self, stamp: f64) {
-        if let Some(belief) = self.localizer.place_belief() {
+        if let Some(belief) = self.localizer.grid_belief() {
             self.record.beliefs.offer(stamp, belief);
         }
-        if let Some(cloud) = self.localizer.cloud() {
+        if let Some(cloud) = self.localizer.particle_set(crate::record::MAX_PARTICLES) {
             self.record.snapshots.offer(stamp, cloud);
         }
     }
@@ -259,7 +260,7 @@ impl SmoothingInput {
     }
 
     fn push(&mut self, event: &Event) {
-        if !self.methods.is_empty() && smoothed::is_input(event) {
+        if !self.methods.is_empty() && !matches!(event.payload, Payload::Truth(_)) {
             self.events.push(event.clone());
         }
     }
@@ -276,18 +277,18 @@ impl SmoothingInput {
         let mut all = Vec::with_capacity(self.methods.len());
         for &method in &self.methods {
             let started = Instant::now();
-            let estimates = smoothed::smoothed(method, setup, settings, &self.events, stamps)?;
+            let estimates = method.smooth(setup, settings, &self.events, stamps)?;
             let runtime = started.elapsed().as_secs_f64();
             let filter = records.iter().find(|record| record.method == method);
-            let of_filter = filter.into_iter().flat_map(|record| &record.judgements);
-            let judgements = of_filter.map(|judgement| Stamped {
-                stamp: judgement.stamp,
-                value: Judgement { accepted: judgement.value.accepted, ..Judgement::REFUSED },
+            let of_filter = filter.into_iter().flat_map(|record| &record.outcomes);
+            let outcomes = of_filter.map(|outcome| Stamped {
+                stamp: outcome.stamp,
+                value: Outcome::of(outcome.value.decision),
             });
             all.push(MethodRecord {
                 smoothed: true,
                 estimates,
-                judgements: judgements.collect(),
+                outcomes: outcomes.collect(),
                 updates: self.events.len(),
                 runtime,
                 ..MethodRecord::new(method, setup)

@@ -192,9 +192,9 @@ impl FastSlam {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for an observation that is not finite or has a negative range:
     /// none is then used. [`loc_filters::Error::LostPositivity`], with the step: the filter cannot
-    /// go on.
+    /// continue.
     pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<Outcome>> {
-        Ok(self.take_in(observations)?)
+        Ok(self.update(observations)?)
     }
 
     fn update(
@@ -235,10 +235,7 @@ impl FastSlam {
         }
     }
 
-    fn update_group(
-        &mut self,
-        group: &[LandmarkObservation],
-    ) -> loc_filters::Result<Vec<Outcome>> {
+    fn update_group(&mut self, group: &[LandmarkObservation]) -> loc_filters::Result<Vec<Outcome>> {
         let normals = self.normals();
         let mut particles = std::mem::take(&mut self.particles);
         let parts = particles.chunks_mut(CHUNK).zip(normals.chunks(CHUNK));

@@ -63,9 +63,9 @@ impl Linearized {
             innovation(residual, Matrix1::new(covariance[(k, k)]), gate, step)
         };
         Ok(match self.measured {
-            [true, false] => Judged::of(&one(0)?),
-            [false, true] => Judged::of(&one(1)?),
-            _ => Judged::of(&innovation(self.residual, covariance, gate, step)?),
+            [true, false] => Scored::of(&one(0)?),
+            [false, true] => Scored::of(&one(1)?),
+            _ => Scored::of(&innovation(self.residual, covariance, gate, step)?),
         })
     }
 
@@ -79,20 +79,20 @@ impl Linearized {
     }
 }
 
-/// The outcome of an observation of a known landmark, and what it says about the particle.
-pub(super) struct Judged {
+/// The outcome of an observation of a known landmark, and its likelihood.
+pub(super) struct Scored {
     pub(super) outcome: Outcome,
-    /// Logarithm of its likelihood. A rejected observation counts as one at the gate, so that
-    /// rejecting observations does not raise the weight of a particle.
+    /// Log-likelihood. A rejected observation counts as one at the gate, so that rejecting
+    /// observations does not raise the weight of a particle.
     pub(super) log_likelihood: f64,
 }
 
-impl Judged {
+impl Scored {
     fn of<const M: usize>(innovation: &Innovation<M>) -> Self {
         let surplus = (innovation.nis - innovation.threshold).max(0.0);
         let surplus = if surplus.is_finite() { surplus } else { 0.0 };
         let log_likelihood = innovation.log_likelihood() + 0.5 * surplus;
-        Judged { outcome: Outcome::of_innovation(innovation), log_likelihood }
+        Scored { outcome: Outcome::of_innovation(innovation), log_likelihood }
     }
 }
 

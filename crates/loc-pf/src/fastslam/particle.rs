@@ -13,7 +13,7 @@ use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Matrix3, Vector3};
 use std::collections::BTreeMap;
 
-/// What an observation is until something better is known of it.
+/// The outcome of an observation without a position.
 const UNDETERMINED: Outcome = Outcome::of(Decision::Undetermined);
 
 /// A pose, with its covariance by odometry since it was drawn last, and a map.
@@ -77,10 +77,12 @@ impl Particle {
         normals: &Vector3<f64>,
     ) -> Result<Report> {
         let mut report = Report { log_likelihood: 0.0, outcomes: vec![UNDETERMINED; group.len()] };
-        let fates = self.recognize(knowledge, group, &mut report)?;
-        for ((fate, seen), outcome) in fates.iter().zip(group).zip(&mut report.outcomes) {
-            if let Fate::Of(slot) = fate {
-                *outcome = self.propose(knowledge, *slot, seen, &mut report.log_likelihood)?;
+        let associations = self.associate(context, group, &mut report)?;
+        for ((association, seen), outcome) in
+            associations.iter().zip(group).zip(&mut report.outcomes)
+        {
+            if let Association::Existing(slot) = association {
+                *outcome = self.propose(context, *slot, seen, &mut report.log_likelihood)?;
             }
         }
         self.draw(normals);
@@ -128,7 +130,7 @@ impl Particle {
                 None if nis > context.new_landmark_gate => Association::New,
                 None => {
                     report.outcomes[k] = Outcome::of(Decision::Ambiguous).with_nis(nis);
-                    Fate::Nothing
+                    Association::None
                 }
             };
             if !matches!(associations[k], Association::Existing(_)) {
@@ -150,23 +152,27 @@ impl Particle {
         seen: &LandmarkObservation,
         log_likelihood: &mut f64,
     ) -> Result<Outcome> {
-        let Some(mark) = self.map.get(slot) else { return Ok(UNDETERMINED) };
-        let look =
-            Look::new(knowledge.settings, &self.belief.mean, &mark.position.mean, seen.sight);
-        let (id, p) = (mark.id, self.belief.covariance);
-        let without_robot = look.apart_from_robot(&mark.position.covariance);
-        let covariance = look.by_robot * p * look.by_robot.transpose() + without_robot;
-        let judged = look.judge(covariance, &knowledge.gate, knowledge.step)?;
-        *log_likelihood += judged.log_likelihood;
+        let Some(estimate) = self.map.get(slot) else { return Ok(UNDETERMINED) };
+        let linearized = Linearized::new(
+            context.settings,
+            &self.belief.mean,
+            &estimate.position.mean,
+            seen.sight,
+        );
+        let (id, p) = (estimate.id, self.belief.covariance);
+        let without_robot = linearized.covariance_without_robot(&estimate.position.covariance);
+        let covariance = linearized.by_robot * p * linearized.by_robot.transpose() + without_robot;
+        let scored = linearized.score_residual(covariance, &context.gate, context.step)?;
+        *log_likelihood += scored.log_likelihood;
         if let Some(gain) =
-            look.gain(&self.belief, &covariance).filter(|_| judged.outcome.accepted())
+            linearized.gain(&self.belief, &covariance).filter(|_| scored.outcome.accepted())
         {
-            self.belief.mean += gain * look.residual;
-            let rest = Matrix3::identity() - gain * look.by_robot;
+            self.belief.mean += gain * linearized.residual;
+            let rest = Matrix3::identity() - gain * linearized.by_robot;
             let corrected = rest * p * rest.transpose() + gain * without_robot * gain.transpose();
             self.belief.covariance = 0.5 * (corrected + corrected.transpose());
         }
-        Ok(judged.outcome.with_landmark(id))
+        Ok(scored.outcome.with_landmark(id))
     }
     // ANCHOR_END: propose
 
@@ -209,8 +215,8 @@ impl Particle {
         context: &Context<'_>,
         seen: &LandmarkObservation,
     ) -> Result<Outcome> {
-        let settings = knowledge.settings;
-        let Some(place) = Place::new(settings, self.pose(), seen.sight) else {
+        let settings = context.settings;
+        let Some(located) = Located::new(settings, self.pose(), seen.sight) else {
             return Ok(UNDETERMINED);
         };
         let full = Outcome::of(Decision::MapFull);
@@ -220,7 +226,7 @@ impl Particle {
             }
             let id = self.next_number;
             self.next_number = id.wrapping_add(1);
-            self.map.push(Mark::born(id, &place, knowledge.moment, &settings.map));
+            self.map.push(LandmarkEstimate::new(id, &located, context.moment, &settings.map));
             return Ok(Outcome::of(Decision::NewLandmark).with_landmark(id));
         }
         let id = seen.landmark;
@@ -232,7 +238,7 @@ impl Particle {
             self.correct_landmark(context, slot, seen, outcome.accepted())?;
             return Ok(outcome);
         }
-        self.map.put(slot, Mark::born(id, &place, knowledge.moment, &settings.map));
+        self.map.put(slot, LandmarkEstimate::new(id, &located, context.moment, &settings.map));
         Ok(Outcome::of(Decision::NewLandmark).with_landmark(id))
     }
 

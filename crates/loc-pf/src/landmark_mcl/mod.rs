@@ -150,10 +150,10 @@ impl LandmarkMcl {
         }
         self.clock.advance("velocity", stamp)?;
         self.velocities.insert(stamp, twist);
-        if let Some(end) = self.velocities.leg_end_before(self.clock.now()) {
+        if let Some(end) = self.velocities.segment_end_before(self.clock.now()) {
             self.predict_to(end);
         }
-        self.velocities.forget_before(self.state.stamp);
+        self.velocities.drop_before(self.state.stamp);
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! One update of the filter: move to the time of the observations, weight by them, resample.
 
 use super::settings::RecoverySettings;
-use super::velocities::legs;
+use super::velocities::segments;
 use super::{LandmarkMcl, State};
 use crate::estimate::moments;
 use crate::sensor::landmark::{LandmarkLikelihood, SensorResetting, Trust, anywhere};
@@ -46,7 +46,7 @@ const HALVINGS: usize = 8;
 const MAX_STEP: f64 = 0.25;
 
 impl LandmarkMcl {
-    /// Moves cloud and belief on to a time \[s\]; not back.
+    /// Predicts particles and belief to a time \[s\]; not back.
     pub(super) fn predict_to(&mut self, stamp: f64) {
         let from = self.state.stamp;
         if stamp <= from {
@@ -58,20 +58,20 @@ impl LandmarkMcl {
         else {
             // After a longer drive than possible, the robot may be anywhere.
             let count = self.settings.particles;
-            let cloud = scattered(&self.region, count, Arc::make_mut(&mut self.filter).rng_mut());
-            self.state = State { belief: moments(&cloud), anywhere: true, ..self.state };
-            *Arc::make_mut(&mut self.filter).particles_mut() = cloud;
+            let particles = uniform(&self.region, count, Arc::make_mut(&mut self.filter).rng_mut());
+            self.state = State { belief: moments(&particles), anywhere: true, ..self.state };
+            *Arc::make_mut(&mut self.filter).particles_mut() = particles;
             return;
         };
         let filter = Arc::make_mut(&mut self.filter);
-        legs.iter().for_each(|leg| filter.predict(leg));
+        segments.iter().for_each(|segment| filter.predict(segment));
         let drive = self.velocities.between(from, stamp);
         self.state.belief = drive.fold(self.state.belief, |belief, interval| {
             dead_reckon(&belief, interval.twist, interval.duration, integration, noise)
         });
     }
 
-    /// Takes in observations at a time \[s\] not before the last ones.
+    /// Updates with observations at a time \[s\] not before the last ones.
     pub(super) fn correct_with(
         &mut self,
         stamp: f64,
@@ -157,10 +157,10 @@ impl LandmarkMcl {
         let resetting = SensorResetting::new(likelihood, self.region);
         let (count, region) = (self.settings.particles, self.region);
         let rng = Arc::make_mut(&mut self.filter).rng_mut();
-        let left = (LEFT_ANYWHERE * count as f64) as usize;
+        let left = (UNIFORM_SHARE * count as f64) as usize;
         let draw = |k| if k < left { anywhere(&region, rng) } else { resetting.draw(rng) };
-        let cloud = Particles::from_poses((0..count).map(draw));
-        *Arc::make_mut(&mut self.filter).particles_mut() = cloud;
+        let particles = Particles::from_poses((0..count).map(draw));
+        *Arc::make_mut(&mut self.filter).particles_mut() = particles;
     }
 
     /// Resamples, with `replaced` particles from the observations.

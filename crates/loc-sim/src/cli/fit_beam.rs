@@ -1,11 +1,11 @@
 //! `loc-sim fit-beam` learns the parameters of the beam model from a log.
 
 use super::{Global, print};
-use crate::output::{Folder, perceptual};
+use crate::output::Folder;
 use crate::perceptual::{LearnSettings, Learned, learn};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::Scans;
-use crate::{Error, Result};
+use crate::{Error, Result, perceptual};
 use anyhow::Context;
 use loc_core::Pose2;
 use loc_maps::OccupancyGrid;

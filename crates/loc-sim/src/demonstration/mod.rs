@@ -1,14 +1,19 @@
 //! Demonstrations: what a method does inside, shown without a robot that drives through a world.
 //!
-//! The lectures explain the particle filter with pictures of its parts: five stages in a corridor
-//! with doors ([`mcl_1d`], M2), and what resampling does to a robot that stands still
-//! ([`diversity`], M11). The Bayes filter without particles is shown by a mailbox with a flag
-//! ([`mailbox`], F5) and by another corridor with doors ([`door_corridor`], K1), and over the rooms of a building
-//! ([`topological`], K1), lateration
-//! in four rooms ([`lateration`], D1 to D4). Random numbers ([`sampling`], F2 to F4), maps ([`maps`],
-//! C) and the perceptual model of a laser ([`perceptual_model`], K2) are shown by themselves. A
-//! scenario asks for one of them by `[demonstration] kind = ".."`; the filters in them are those of
-//! `loc-pf` and `loc-filters`, nothing is made up for the picture.
+//! | scenario | shows |
+//! |---|---|
+//! | `mcl-1d` ([`Mcl1dConfig`]) | the particle filter in five stages, in a corridor with doors (M2) |
+//! | `door-corridor` ([`DoorCorridorConfig`]) | the Bayes filter as a histogram, in such a corridor (K1) |
+//! | `diversity` ([`DiversityConfig`]) | what resampling does to a robot that stands still (M11) |
+//! | `mailbox` ([`MailboxConfig`]) | the Bayes filter over two states (F5) |
+//! | `topological-localization` ([`TopologicalConfig`]) | Markov localization over the rooms of a building (K1) |
+//! | `lateration` ([`LaterationConfig`]) | lateration in four rooms (D1 to D4) |
+//! | `sampling` ([`SamplingConfig`]) | random numbers (F2 to F4) |
+//! | `maps` ([`MapsConfig`]) | one world as every kind of map (C) |
+//! | `perceptual-model` ([`PerceptualModelConfig`]) | the perceptual model of a laser (K2) |
+//!
+//! A scenario selects one by `[demonstration] kind = ".."`. Each implements [`Demonstration`]. The
+//! filters are those of `loc-pf` and `loc-filters`.
 //!
 //! ```
 //! use loc_sim::scenario::Scenario;
@@ -18,30 +23,41 @@
 //! # Ok::<(), loc_sim::Error>(())
 //! ```
 
-pub mod diversity;
-pub mod door_corridor;
-pub mod lateration;
-pub mod mailbox;
-pub mod maps;
-pub mod mcl_1d;
-pub mod perceptual_model;
-pub mod sampling;
-pub mod topological;
+mod corridor;
+mod diversity;
+mod lateration;
+mod mailbox;
+mod maps;
+mod sampling;
+mod topological;
 
-pub use diversity::{Diversity, DiversityConfig};
-pub use door_corridor::{DoorCorridor, DoorCorridorConfig};
-pub use lateration::{Lateration, LaterationConfig};
-pub use mailbox::{MailboxConfig, MailboxDiagnosis};
+pub use crate::perceptual::PerceptualModelConfig;
+pub use corridor::{DoorCorridorConfig, Mcl1dConfig, Stage, Step};
+pub use diversity::{Course, Diversity, DiversityConfig};
+pub use lateration::{LaterationConfig, Room, RoomConfig};
+pub use mailbox::{Day, Flag, MailboxConfig, MailboxDiagnosis};
 pub use maps::{Maps, MapsConfig};
-pub use mcl_1d::{Mcl1d, Mcl1dConfig};
-pub use perceptual_model::PerceptualModelConfig;
-pub use sampling::{Sampling, SamplingConfig};
-pub use topological::{TopologicalConfig, TopologicalTour};
+pub use sampling::{Drawn, Moments, Sampling, SamplingConfig};
+pub use topological::{TopologicalConfig, TopologicalTour, TourStep};
 
 use crate::Result;
 use crate::output::Illustration;
-use crate::output::svg::{Chart, Role};
 use serde::Deserialize;
+
+/// A small experiment of the lectures. The settings in a scenario's `[demonstration]` implement it.
+pub trait Demonstration {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
+    fn check(&self) -> Result<()>;
+
+    /// Runs the experiment with a seed, and draws it.
+    ///
+    /// # Errors
+    /// Values out of range.
+    fn run(&self, title: &str, seed: u64) -> Result<Illustration>;
+}
 
 /// A demonstration and its numbers.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -69,83 +85,38 @@ pub enum DemonstrationConfig {
 }
 
 impl DemonstrationConfig {
-    /// Checks every value.
-    ///
-    /// # Errors
-    /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
-    pub(crate) fn check(&self) -> Result<()> {
+    fn demonstration(&self) -> &dyn Demonstration {
         match self {
-            DemonstrationConfig::Mcl1d(config) => config.check(),
-            DemonstrationConfig::Diversity(config) => config.check(),
-            DemonstrationConfig::Lateration(config) => config.check(),
-            DemonstrationConfig::Mailbox(config) => config.check(),
-            DemonstrationConfig::DoorCorridor(config) => config.check(),
-            DemonstrationConfig::Topological(config) => config.check(),
-            DemonstrationConfig::Sampling(config) => config.check(),
-            DemonstrationConfig::Maps(config) => config.check(),
-            DemonstrationConfig::PerceptualModel(config) => config.check(),
+            DemonstrationConfig::Mcl1d(config) => config,
+            DemonstrationConfig::Diversity(config) => config,
+            DemonstrationConfig::Lateration(config) => config,
+            DemonstrationConfig::Mailbox(config) => config,
+            DemonstrationConfig::DoorCorridor(config) => config,
+            DemonstrationConfig::Topological(config) => &**config,
+            DemonstrationConfig::Sampling(config) => config,
+            DemonstrationConfig::Maps(config) => config,
+            DemonstrationConfig::PerceptualModel(config) => config,
         }
-    }
-
-    /// Runs it.
-    ///
-    /// # Errors
-    /// Values out of range.
-    pub(crate) fn illustrate(&self, title: &str, seed: u64) -> Result<Illustration> {
-        Ok(match self {
-            DemonstrationConfig::Mcl1d(config) => Mcl1d::new(config, seed)?.illustrate(title),
-            DemonstrationConfig::Diversity(config) => {
-                Diversity::new(config, seed)?.illustrate(title)
-            }
-            DemonstrationConfig::Lateration(config) => {
-                Lateration::new(config, seed)?.illustrate(title)
-            }
-            DemonstrationConfig::Mailbox(config) => {
-                MailboxDiagnosis::new(config)?.illustrate(title)
-            }
-            DemonstrationConfig::DoorCorridor(config) => {
-                DoorCorridor::new(config, seed)?.illustrate(title)
-            }
-            DemonstrationConfig::Topological(config) => {
-                TopologicalTour::new(config, seed)?.illustrate(title)
-            }
-            DemonstrationConfig::Sampling(config) => Sampling::new(config, seed)?.illustrate(title),
-            DemonstrationConfig::Maps(config) => Maps::new(config)?.illustrate(),
-            DemonstrationConfig::PerceptualModel(config) => {
-                perceptual_model::illustrate(config, title, seed)?
-            }
-        })
     }
 }
 
-/// Checks a number of particles or steps.
+impl Demonstration for DemonstrationConfig {
+    fn check(&self) -> Result<()> {
+        self.demonstration().check()
+    }
+
+    fn run(&self, title: &str, seed: u64) -> Result<Illustration> {
+        self.demonstration().run(title, seed)
+    }
+}
+
+/// Checks a number of particles or steps: 1 to `max`.
 ///
 /// # Errors
 /// [`crate::Error::Config`] with the key.
-fn count(key: &str, found: usize, most: usize) -> Result<()> {
-    if (1..=most).contains(&found) {
+pub(crate) fn check_count(key: &str, found: usize, max: usize) -> Result<()> {
+    if (1..=max).contains(&found) {
         return Ok(());
     }
-    Err(crate::config::field(key, &format!("1 to {most}"), &found.to_string()))
-}
-
-/// Adds bars to a chart, filled and with an edge, of pairs (middle, height).
-fn bars(
-    chart: Chart,
-    role: Role,
-    label: &str,
-    width: f64,
-    bars: impl Iterator<Item = (f64, f64)> + Clone,
-) -> Chart {
-    let sides = move |x: f64| [x - 0.5 * width, x + 0.5 * width];
-    let gap = f64::NAN;
-    let filled = bars.clone().flat_map(move |(x, height)| {
-        let [left, right] = sides(x);
-        [(left, 0.0, height), (right, 0.0, height), (gap, gap, gap)]
-    });
-    let edges = bars.flat_map(move |(x, height)| {
-        let [left, right] = sides(x);
-        [(left, 0.0), (left, height), (right, height), (right, 0.0), (gap, gap)]
-    });
-    chart.band(role, label, filled).line(role.width(0.8), "", edges)
+    Err(crate::config::field(key, &format!("1 to {max}"), &found.to_string()))
 }

@@ -1,171 +1,364 @@
-//! One adapter per method between the event stream and a filter.
+//! The methods by name: what each needs, its settings, and how it starts on a source.
 //!
-//! A new method is one file here that implements [`Localizer`], and one line in [`Method`].
+//! A new method implements [`Localizer`] in a crate below; here it gets a name in [`Method`], its
+//! settings in [`MethodSettings`], and a line in [`Method::start`].
 
-pub mod cloud;
-mod dead_reckoning;
-mod driven;
-mod ekf;
-mod ekf_slam;
-mod estimated_map;
-mod fastslam;
-mod fusion;
-mod histogram;
-mod kf_slam;
-mod landmark_mcl;
-mod lateration;
-mod line_ekf;
-mod mcl;
-mod method;
-mod place_belief;
-mod rail;
-mod sensor_error;
-pub(crate) mod smoothed;
-mod whitened;
+mod settings;
 
-pub use cloud::Cloud;
-pub use estimated_map::EstimatedMap;
-pub use method::{Method, MethodSettings, Needs, RailSettings};
-pub use place_belief::PlaceBelief;
-pub use sensor_error::SensorError;
-pub use whitened::Whitened;
+pub use settings::MethodSettings;
 
-use crate::Result;
-use loc_core::{Gaussian, Pose2};
-use loc_filters::line_matching::LineUpdate;
-use loc_sensors::event::{Control, Measurement};
-use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
-use nalgebra::{Matrix3, Point2};
+use crate::source::Setup;
+use crate::{Error, Result};
+use loc_core::random::stream;
+use loc_filters::dead_reckoning::DeadReckoning;
+use loc_filters::delayed::{Delayed, Sequential};
+use loc_filters::fusion::FusedLocalizer;
+use loc_filters::fusion::state::STATES;
+use loc_filters::histogram::GridLocalizer;
+use loc_filters::kalman::rail::RailLocalizer;
+use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings};
+use loc_filters::lateration::SlidingLateration;
+use loc_filters::line_matching::{self, LineFilter, LineMatchingSettings};
+use loc_filters::localizer::{Estimate, Localizer};
+use loc_filters::slam::{LinearSlamLocalizer, LinearSlamSettings, SlamLocalizer};
+use loc_filters::smoother::{Recorded, smooth};
+use loc_filters::{
+    ExtendedKalmanFilter as Extended, NonlinearFilter, UnscentedKalmanFilter as Unscented,
+};
+use loc_maps::{LandmarkMap, LineMap, OccupancyGrid};
+use loc_pf::{FastSlamLocalizer, LandmarkMcl, Mcl};
+use loc_sensors::event::Event;
+use std::str::FromStr;
+use std::sync::Arc;
 
-/// A method that follows a robot through a stream of events.
-// ANCHOR: localizer
-pub trait Localizer {
-    /// Takes in a control that holds from `stamp` \[s\] on.
+/// A method that a run can use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Method {
+    /// Odometry alone (E).
+    DeadReckoning,
+    /// Ranges to landmarks over a sliding window (D).
+    Lateration,
+    /// The linear Kalman filter of a vehicle on a rail (G).
+    Kf,
+    /// The extended Kalman filter with landmarks (H2).
+    Ekf,
+    /// The unscented Kalman filter with landmarks.
+    Ukf,
+    /// The extended Kalman filter with the lines of a map (H4).
+    LineEkf,
+    /// The unscented Kalman filter with the lines of a map.
+    LineUkf,
+    /// Every sensor there is, in one extended Kalman filter (B, H1).
+    Fusion,
+    /// Every sensor there is, in one unscented Kalman filter.
+    FusionUkf,
+    /// Monte Carlo localization (M).
+    Mcl,
+    /// Markov localization on a grid (K1).
+    Histogram,
+    /// Linear Kalman SLAM of a robot that never turns (I1).
+    KfSlam,
+    /// The extended Kalman filter over robot and landmarks (I2 to I4).
+    EkfSlam,
+    /// Particles that each draw a map of their own: FastSLAM 2.0 (I2 to I4).
+    FastSlam,
+}
+
+/// What a method needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Needs {
+    /// The sensor beside the odometry.
+    pub sensors: &'static str,
+    /// The kind of map.
+    pub map: &'static str,
+}
+
+impl Method {
+    /// Every method, in the order in which tables list them.
+    pub const ALL: [Method; 14] = [
+        Method::DeadReckoning,
+        Method::Lateration,
+        Method::Kf,
+        Method::Ekf,
+        Method::Ukf,
+        Method::LineEkf,
+        Method::LineUkf,
+        Method::Fusion,
+        Method::FusionUkf,
+        Method::Histogram,
+        Method::Mcl,
+        Method::KfSlam,
+        Method::EkfSlam,
+        Method::FastSlam,
+    ];
+
+    /// The name, as the command line has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::DeadReckoning => "dead-reckoning",
+            Method::Lateration => "lateration",
+            Method::Kf => "kf",
+            Method::Ekf => "ekf",
+            Method::Ukf => "ukf",
+            Method::LineEkf => "line-ekf",
+            Method::LineUkf => "line-ukf",
+            Method::Fusion => "fusion",
+            Method::FusionUkf => "fusion-ukf",
+            Method::Mcl => "mcl",
+            Method::Histogram => "histogram",
+            Method::KfSlam => "kf-slam",
+            Method::EkfSlam => "ekf-slam",
+            Method::FastSlam => "fastslam",
+        }
+    }
+
+    /// Whether it can find the robot without being told where it starts.
+    pub fn can_search(self) -> bool {
+        matches!(self, Method::Lateration | Method::Histogram | Method::Mcl)
+    }
+
+    /// What it measures with, beside odometry, on a source; and the map that it needs.
+    pub fn needs(self, setup: &Setup) -> Needs {
+        let lasers = setup.has_laser || setup.landmarks.is_empty();
+        let (sensors, map) = match self {
+            Method::DeadReckoning => ("none", "none"),
+            Method::Kf => ("position", "none"),
+            Method::Lateration => ("ranges", "landmarks"),
+            Method::Fusion | Method::FusionUkf => ("camera", "landmarks"),
+            Method::Histogram => ("laser", "grid"),
+            Method::Mcl if lasers => ("laser", "grid"),
+            Method::Ekf | Method::Ukf | Method::Mcl => ("camera", "landmarks"),
+            Method::LineEkf | Method::LineUkf => ("laser", "lines"),
+            Method::KfSlam | Method::EkfSlam | Method::FastSlam => ("camera", "draws its own"),
+        };
+        Needs { sensors, map }
+    }
+
+    /// Whether it draws random numbers, so that its seed matters.
+    pub fn draws(self) -> bool {
+        matches!(self, Method::Mcl | Method::FastSlam)
+    }
+
+    /// Whether its estimates can be smoothed after the run.
+    pub fn can_smooth(self) -> bool {
+        matches!(
+            self,
+            Method::Kf
+                | Method::Ekf
+                | Method::Ukf
+                | Method::LineEkf
+                | Method::LineUkf
+                | Method::Fusion
+                | Method::FusionUkf
+        )
+    }
+
+    /// The method, ready to run on a source.
     ///
     /// # Errors
-    /// What the filter refuses.
-    fn predict(&mut self, stamp: f64, control: &Control) -> Result<()>;
+    /// [`Error::Unsuitable`] where the source lacks what the method needs, and settings that the
+    /// filter refuses.
+    pub fn start(self, setup: &Setup, settings: &MethodSettings) -> Result<Box<dyn Localizer>> {
+        let make = Make { method: self, setup, settings };
+        Ok(match self {
+            Method::DeadReckoning if setup.rail.is_some() => {
+                Box::new(make.rail()?.without_corrections())
+            }
+            Method::DeadReckoning => Box::new(make.dead_reckoning()?),
+            Method::Lateration => make.delayed(make.lateration()?)?,
+            Method::Kf => Box::new(make.rail()?),
+            Method::Ekf => make.delayed(make.landmarks::<Extended<3>>()?)?,
+            Method::Ukf => make.delayed(make.landmarks::<Unscented<3>>()?)?,
+            Method::LineEkf => Box::new(make.lines::<Extended<{ line_matching::STATES }>>()?),
+            Method::LineUkf => Box::new(make.lines::<Unscented<{ line_matching::STATES }>>()?),
+            Method::Fusion => make.delayed(make.fusion::<Extended<STATES>>()?)?,
+            Method::FusionUkf => make.delayed(make.fusion::<Unscented<STATES>>()?)?,
+            Method::Histogram => Box::new(make.histogram()?),
+            // Where both can be had, scans tell more than landmarks.
+            Method::Mcl if setup.has_laser || setup.landmarks.is_empty() => Box::new(make.mcl()?),
+            Method::Mcl => make.delayed(make.landmark_mcl()?)?,
+            Method::KfSlam => Box::new(make.kf_slam()?),
+            Method::EkfSlam => make.delayed(make.ekf_slam()?)?,
+            Method::FastSlam => make.delayed(make.fastslam()?)?,
+        })
+    }
 
-    /// Takes in a measurement of time `stamp` \[s\]; the answer judges each part of it. A method
-    /// that has no use for it answers with nothing.
+    /// The smoothed estimates at `stamps` \[s\], which are in order of time, from all events.
     ///
     /// # Errors
-    /// What the filter refuses.
-    fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Judgement>>;
-
-    /// The estimate for a time \[s\] not before the last input.
-    ///
-    /// # Errors
-    /// What the filter refuses.
-    fn estimate(&self, stamp: f64) -> Result<Estimate>;
-
-    /// How many particles it has; 0 for a method without any.
-    fn particle_count(&self) -> usize {
-        0
-    }
-
-    /// The poses that it holds possible, the likeliest first; none for a method that knows but one.
-    fn hypotheses(&self) -> Vec<Hypothesis> {
-        Vec::new()
-    }
-
-    /// The landmarks of a method that draws its own map; `None` for any other.
-    ///
-    /// # Errors
-    /// What the filter refuses.
-    fn map(&self) -> Result<Option<EstimatedMap>> {
-        Ok(None)
-    }
-
-    /// What a method that calibrates its sensors on the way believes about their errors at a time
-    /// \[s\] not before the last input; nothing for any other.
-    ///
-    /// # Errors
-    /// What the filter refuses.
-    fn sensor_errors(&self, _stamp: f64) -> Result<Vec<SensorError>> {
-        Ok(Vec::new())
-    }
-
-    /// What it has found out on the way that a user should know, as lines.
-    fn notes(&self) -> Vec<String> {
-        Vec::new()
-    }
-
-    /// The particles of a method that has any, for figures: thinned to at most
-    /// [`Cloud::MAX`](cloud::Cloud::MAX).
-    fn cloud(&self) -> Option<Cloud> {
-        None
-    }
-
-    /// The probabilities of all places after an update that has changed them, of a method that keeps
-    /// a grid of them, for figures.
-    fn place_belief(&self) -> Option<PlaceBelief> {
-        None
-    }
-
-    /// What the last scan told a method that matches lines, for figures.
-    fn lines(&self) -> Option<&LineUpdate> {
-        None
-    }
-}
-// ANCHOR_END: localizer
-
-/// A pose that a method holds possible.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hypothesis {
-    /// Its probability.
-    pub share: f64,
-    /// The pose in the map, over (x, y, theta) \[m, m, rad\].
-    pub belief: Gaussian<3>,
-}
-
-/// Where a method believes the robot to be.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
-    /// The pose in the map.
-    pub pose: Pose2,
-    /// Its covariance over (x, y, theta), where the method has one.
-    pub covariance: Option<Matrix3<f64>>,
-    /// Position \[m\] and speed \[m/s\] along the rail, for a vehicle on one.
-    pub rail: Option<Gaussian<2>>,
-}
-
-impl From<Gaussian<3>> for Estimate {
-    fn from(belief: Gaussian<3>) -> Self {
-        Estimate { pose: belief.pose(), covariance: Some(belief.covariance), rail: None }
+    /// [`Error::Unsuitable`] for a method that [cannot be smoothed](Method::can_smooth), and what the
+    /// filter refuses.
+    pub(crate) fn smooth(
+        self,
+        setup: &Setup,
+        settings: &MethodSettings,
+        events: &[Event],
+        stamps: &[f64],
+    ) -> Result<Vec<Estimate>> {
+        let make = Make { method: self, setup, settings };
+        Ok(match self {
+            Method::Kf => smooth(make.rail()?.recorded()?, events, stamps)?,
+            Method::Ekf => smooth(make.landmarks::<Recorded<Extended<3>, 3>>()?, events, stamps)?,
+            Method::Ukf => smooth(make.landmarks::<Recorded<Unscented<3>, 3>>()?, events, stamps)?,
+            Method::LineEkf => smooth(make.lines::<Recorded<Extended<_>, _>>()?, events, stamps)?,
+            Method::LineUkf => smooth(make.lines::<Recorded<Unscented<_>, _>>()?, events, stamps)?,
+            Method::Fusion => smooth(make.fusion::<Recorded<Extended<_>, _>>()?, events, stamps)?,
+            Method::FusionUkf => {
+                smooth(make.fusion::<Recorded<Unscented<_>, _>>()?, events, stamps)?
+            }
+            _ => return Err(make.unsuitable("beliefs of a Kalman filter to smooth")),
+        })
     }
 }
 
-/// What a method made of one measurement.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Judgement {
-    /// Whether it changed the belief.
-    pub accepted: bool,
-    /// Normalised innovation squared, where the method computes one.
-    pub nis: Option<f64>,
-    /// How many numbers were measured.
-    pub degrees_of_freedom: usize,
-    /// The whitened innovation, where the method computes one.
-    pub whitened: Whitened,
-    /// Where the measurement puts the thing it saw, from the method's pose \[m\].
-    pub seen_at: Option<Point2<f64>>,
+/// Makes the localizers from what is known of a source.
+struct Make<'a> {
+    method: Method,
+    setup: &'a Setup,
+    settings: &'a MethodSettings,
 }
 
-impl Judgement {
-    /// A measurement that was turned away before it was looked at.
-    pub const REFUSED: Judgement = Judgement {
-        accepted: false,
-        nis: None,
-        degrees_of_freedom: 0,
-        whitened: Whitened::NONE,
-        seen_at: None,
-    };
+impl Make<'_> {
+    fn unsuitable(&self, expected: &'static str) -> Error {
+        let (method, source_name) = (self.method.name().into(), self.setup.name.clone());
+        Error::Unsuitable { method, expected, source_name }
+    }
+
+    /// A localizer that takes inputs up to the horizon of the settings late.
+    fn delayed<L: Sequential + 'static>(&self, localizer: L) -> Result<Box<dyn Localizer>> {
+        Ok(Box::new(Delayed::new(localizer, self.settings.horizon)?))
+    }
+
+    fn map(&self) -> Result<&OccupancyGrid> {
+        self.setup.map.as_deref().ok_or_else(|| self.unsuitable("a map"))
+    }
+
+    fn landmark_map(&self) -> Result<Arc<LandmarkMap>> {
+        if self.setup.landmarks.is_empty() {
+            return Err(self.unsuitable("landmarks"));
+        }
+        Ok(self.setup.landmarks.clone())
+    }
+
+    fn dead_reckoning(&self) -> Result<DeadReckoning> {
+        let noise = self.settings.mcl.motion.path_noise();
+        let (start, belief) = (self.setup.start, self.setup.start_belief);
+        Ok(DeadReckoning::new(self.settings.landmark, noise, start, belief)?)
+    }
+
+    fn rail(&self) -> Result<RailLocalizer> {
+        let start = self.setup.rail.ok_or_else(|| self.unsuitable("a vehicle on a rail"))?;
+        Ok(RailLocalizer::new(self.settings.rail.clone(), self.setup.start, start)?)
+    }
+
+    fn lateration(&self) -> Result<SlidingLateration> {
+        let (map, settings) = (self.landmark_map()?, self.settings.lateration());
+        let lateration = SlidingLateration::new(map, settings, self.setup.start)?;
+        if self.settings.global {
+            return Ok(lateration);
+        }
+        Ok(lateration.start_at(&self.setup.start_belief)?)
+    }
+
+    fn landmarks<F: NonlinearFilter<3>>(&self) -> Result<LandmarkLocalizer<F>> {
+        let (map, settings) = (self.landmark_map()?, self.settings.landmark);
+        let (start, belief) = (self.setup.start, self.setup.start_belief);
+        Ok(LandmarkLocalizer::with_filter(map, settings, start, belief)?)
+    }
+
+    /// In the lines of the setup or, without any, in those found in its grid.
+    fn lines<F: NonlinearFilter<{ line_matching::STATES }>>(&self) -> Result<LineFilter<F>> {
+        let own = self.settings.line_matching;
+        let (lines, settings) = match (&self.setup.lines, &self.setup.map) {
+            (Some(lines), _) => (lines.clone(), own),
+            (None, Some(grid)) => {
+                let lines = LineMap::from_grid(grid, &Default::default())?;
+                // Walls that were mapped are not quite straight, and not quite in their place.
+                let map_sigma = own.map_sigma.max(grid.resolution());
+                (Arc::new(lines), LineMatchingSettings { map_sigma, ..own })
+            }
+            (None, None) => return Err(self.unsuitable("a map")),
+        };
+        Ok(LineFilter::new(lines, settings, self.setup.start_belief)?)
+    }
+
+    fn fusion<F: NonlinearFilter<STATES>>(&self) -> Result<FusedLocalizer<F>> {
+        if self.setup.rail.is_some() {
+            return Err(self.unsuitable("a robot in the plane"));
+        }
+        let (map, settings) = (self.setup.landmarks.clone(), self.settings.fusion());
+        let (start, belief) = (self.setup.start, self.setup.start_belief);
+        Ok(FusedLocalizer::with_filter(map, settings, start, belief)?)
+    }
+
+    fn histogram(&self) -> Result<GridLocalizer> {
+        let mut grid = GridLocalizer::new(self.map()?, self.settings.histogram)?;
+        if !self.settings.global {
+            grid.start_at(&self.setup.start_belief)?;
+        }
+        Ok(grid)
+    }
+
+    fn mcl(&self) -> Result<Mcl> {
+        let rng = stream(self.settings.seed, "mcl");
+        let mut mcl = Mcl::new(self.map()?, self.settings.mcl.clone(), rng)?;
+        if !self.settings.global {
+            mcl.start_at(&self.setup.start_belief)?;
+        }
+        Ok(mcl)
+    }
+
+    fn landmark_mcl(&self) -> Result<LandmarkMcl> {
+        let (map, rng) = (self.setup.landmarks.clone(), stream(self.settings.seed, "mcl"));
+        let (settings, start) = (self.settings.landmark_mcl(), self.setup.start);
+        Ok(if self.settings.global {
+            LandmarkMcl::anywhere(map, settings, start, rng)?
+        } else {
+            LandmarkMcl::new(map, settings, start, &self.setup.start_belief, rng)?
+        })
+    }
+
+    fn kf_slam(&self) -> Result<LinearSlamLocalizer> {
+        let LandmarkSettings {
+            motion_noise, gate_probability, mounting, observation_noise, ..
+        } = self.settings.landmark;
+        let linear = LinearSlamSettings {
+            k_d: motion_noise.k_d,
+            gate_probability,
+            ..LinearSlamSettings::default()
+        };
+        let (start, belief) = (self.setup.start, &self.setup.start_belief);
+        Ok(LinearSlamLocalizer::new(linear, mounting, observation_noise, start, belief)?)
+    }
+
+    fn ekf_slam(&self) -> Result<SlamLocalizer> {
+        let (start, belief) = (self.setup.start, self.setup.start_belief);
+        Ok(SlamLocalizer::new(self.settings.slam(), start, belief)?)
+    }
+
+    fn fastslam(&self) -> Result<FastSlamLocalizer> {
+        let rng = stream(self.settings.seed, "fastslam");
+        let (start, belief) = (self.setup.start, self.setup.start_belief);
+        Ok(FastSlamLocalizer::new(self.settings.fastslam(), start, belief, rng)?)
+    }
 }
 
-/// Where an observation puts its landmark from a camera's pose \[m\]; `None` without a distance and a
-/// direction.
-fn seen_at(camera: Pose2, observation: &LandmarkObservation) -> Option<Point2<f64>> {
-    let Observed::RangeBearing { range, bearing } = observation.sight else { return None };
-    let (sin, cos) = bearing.sin_cos();
-    Some(camera.transform(&Point2::new(range * cos, range * sin)))
+impl FromStr for Method {
+    type Err = Error;
+    fn from_str(name: &str) -> Result<Self> {
+        Method::ALL.into_iter().find(|method| method.name() == name).ok_or_else(|| {
+            Error::UnknownName {
+                what: "method",
+                expected: Method::ALL.map(Method::name).join(", "),
+                found: name.into(),
+            }
+        })
+    }
+}
+
+impl std::fmt::Display for Method {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
 }

@@ -21,10 +21,10 @@
 //! ```
 
 use crate::Result;
-use crate::localizer::{Estimate, Whitened};
 use crate::record::{MethodRecord, Run};
 use loc_core::stats::consistency::{ChiSquareTally, NeesEnsemble, Whiteness};
 use loc_core::{Gaussian, Pose2};
+use loc_filters::localizer::{Estimate, Residual};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::ops::RangeInclusive;
 
@@ -217,12 +217,12 @@ impl RunEvidence {
         let pairs = record.estimates.iter().zip(&run.truth).step_by(every);
         let nees = pairs.map(|(e, t)| run.nees(e, t.value.pose)).collect();
         let mut nis = ChiSquareTally::new(confidence)?;
-        let mut sequences: [Vec<f64>; Whitened::MAX] = Default::default();
-        for judgement in record.judgements.iter().map(|j| j.value).filter(|j| j.accepted) {
-            if let Some(value) = judgement.nis {
-                nis.push(judgement.degrees_of_freedom, value)?;
+        let mut sequences: [Vec<f64>; Residual::MAX] = Default::default();
+        for outcome in record.outcomes.iter().map(|j| j.value).filter(|j| j.accepted()) {
+            if let Some(value) = outcome.nis {
+                nis.push(outcome.degrees_of_freedom, value)?;
             }
-            for (sequence, value) in sequences.iter_mut().zip(judgement.whitened.iter()) {
+            for (sequence, value) in sequences.iter_mut().zip(outcome.whitened.iter()) {
                 sequence.push(*value);
             }
         }

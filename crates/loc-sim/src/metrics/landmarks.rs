@@ -6,7 +6,6 @@
 
 use super::{Alignment, Pair, transform};
 use crate::Result;
-use crate::localizer::EstimatedMap;
 use crate::record::{MethodRecord, Run};
 use loc_core::Pose2;
 use nalgebra::Point2;
@@ -52,7 +51,7 @@ pub fn landmark_errors(run: &Run, record: &MethodRecord) -> Result<Option<Landma
         let (found, extra, rmse_m, path_rmse_m) = (None, None, None, None);
         return Ok(Some(LandmarkErrors { mapped, found, extra, rmse_m, path_rmse_m }));
     }
-    let (pairs, carried) = match map.numbered {
+    let (pairs, carried) = match map.known_association {
         true => (by_number(&places, &truth), None),
         false => by_place(&places, &truth, path_alignment(run, record)?)?,
     };
@@ -147,12 +146,5 @@ fn path_alignment(run: &Run, record: &MethodRecord) -> Result<Pose2> {
     match transform(&pairs, Alignment::Se2) {
         Err(crate::Error::UndeterminedAlignment { .. }) => Ok(Pose2::IDENTITY),
         other => Ok(other?.unwrap_or(Pose2::IDENTITY)),
-    }
-}
-
-impl EstimatedMap {
-    /// Number of landmarks that are not provisional.
-    pub fn confirmed(&self) -> usize {
-        self.landmarks.iter().filter(|landmark| landmark.confirmed).count()
     }
 }

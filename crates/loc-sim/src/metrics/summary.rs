@@ -104,7 +104,7 @@ impl MethodSummary {
         let pairs: Vec<_> =
             both().map(|(e, t)| Pair { estimate: e.pose, reference: t.value.pose }).collect();
         let nees = mean(both().filter_map(|(e, t)| Some(run.nees(e, t.value.pose)?.1)));
-        let accepted = || record.judgements.iter().filter(|j| j.value.accepted);
+        let accepted = || record.outcomes.iter().filter(|j| j.value.accepted());
         let used = accepted().count();
         let faster = run.duration() / record.runtime;
         let errors = (!pairs.is_empty()).then(|| planar_errors(&pairs, align)).transpose()?;
@@ -119,9 +119,9 @@ impl MethodSummary {
         Ok(MethodSummary {
             errors,
             nees_mean: nees,
-            nis_mean: mean(accepted().filter_map(|judgement| judgement.value.nis)),
+            nis_mean: mean(accepted().filter_map(|outcome| outcome.value.nis)),
             measurements_used: used,
-            measurements_rejected: record.judgements.len() - used,
+            measurements_rejected: record.outcomes.len() - used,
             landmarks: landmark_errors(run, record)?,
             beam_fit_at_end: record.beam_fit,
             converged_at_s: converged.map(after),
@@ -269,8 +269,8 @@ pub fn found(run: &Run, record: &MethodRecord, since: f64) -> Option<Found> {
         .collect();
     let stays = |k: usize| near[k..].iter().take(STAYS + 1).all(|near| *near);
     let at = run.truth.get((0..near.len()).find(|&k| stays(k))?)?.stamp;
-    let until = record.judgements.iter().filter(|j| j.stamp >= since && j.stamp <= at);
-    let updates = until.filter(|judgement| judgement.value.accepted).count();
+    let until = record.outcomes.iter().filter(|j| j.stamp >= since && j.stamp <= at);
+    let updates = until.filter(|outcome| outcome.value.accepted()).count();
     Some(Found { after: at - since, updates })
 }
 

@@ -1,8 +1,11 @@
 //! The folder that a run is written to, whole or not at all.
 
+use super::figures::FigureFile;
+use super::{Made, report};
 use crate::Result;
 use loc_core::Error;
 use loc_core::file::in_folder;
+use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
@@ -100,4 +103,42 @@ fn is_ours(name: &str) -> bool {
         || between("estimate_", ".tum")
         || between("covariance_", ".csv")
         || super::figures::NAMES.contains(&name)
+}
+
+/// What a scenario leaves behind that runs no method: figures with the numbers that belong to them.
+#[derive(Debug, Clone)]
+pub struct Illustration {
+    /// The numbers for people, a line each.
+    pub lines: Vec<String>,
+    /// The numbers for programs.
+    pub summary: Value,
+    /// The figures.
+    pub figures: Vec<FigureFile>,
+    /// Other files: tables of raw numbers, settings.
+    pub data: Folder,
+}
+
+impl Illustration {
+    /// Figures with their numbers and nothing else.
+    pub fn new(lines: Vec<String>, summary: Value, figures: Vec<FigureFile>) -> Self {
+        Illustration { lines, summary, figures, data: Folder::default() }
+    }
+
+    /// All files, ready to be written: `summary.json`, the figures, and `report.html`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] for numbers that cannot be written.
+    pub fn files<'a>(&self, title: &str, made: impl Into<Made<'a>>) -> Result<Folder> {
+        let mut folder = Folder::default();
+        folder.add("summary.json", super::pretty(&self.summary)?);
+        folder.add(
+            "report.html",
+            report::plain(&self.lines.join("\n"), title, made.into(), &self.figures),
+        );
+        for figure in &self.figures {
+            folder.add(figure.file.clone(), figure.svg.clone());
+        }
+        folder.extend(&self.data);
+        Ok(folder)
+    }
 }

@@ -5,7 +5,6 @@
 //! or else the last one, is the one whose map -> odom is written.
 
 use crate::Result;
-use crate::localizer::{Estimate, Localizer};
 use crate::runner::Observer;
 use crate::source::OdometryIntegrator;
 use crate::source::Setup;
@@ -16,6 +15,7 @@ use crate::source::ros::messages::{
     Stamp, TfMessage, TransformStamped,
 };
 use loc_core::{Pose2, Twist2};
+use loc_filters::localizer::{Estimate, Localizer};
 use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sensors::laser;
 
@@ -183,7 +183,10 @@ impl Observer for McapRecorder {
     fn estimated(&mut self, stamp: f64, localizers: &[&dyn Localizer]) -> Result<()> {
         let at = Stamp::from_seconds(stamp);
         self.driven.integrate_to(stamp);
-        let clouds: Vec<_> = localizers.iter().map(|localizer| localizer.cloud()).collect();
+        let clouds: Vec<_> = localizers
+            .iter()
+            .map(|localizer| localizer.particle_set(crate::record::MAX_PARTICLES))
+            .collect();
         let primary = clouds.iter().position(Option::is_some);
         let primary = primary.unwrap_or(localizers.len().saturating_sub(1));
         for (index, localizer) in localizers.iter().enumerate() {

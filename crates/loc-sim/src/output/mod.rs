@@ -9,32 +9,25 @@
 //! report.html                all of it on one page
 //! ```
 
-mod backdrop;
-pub(crate) mod canvas;
-mod comparison;
 pub mod figures;
 mod folder;
-mod illustration;
 pub mod mcap;
-pub mod perceptual;
-pub(crate) mod png;
-pub(crate) mod ramp;
 mod report;
-pub mod svg;
+mod scene;
 mod table;
-mod trajectories;
 
-pub use backdrop::backdrop;
-pub use comparison::comparison;
-pub use folder::Folder;
-pub use illustration::Illustration;
+pub use folder::{Folder, Illustration};
 pub(crate) use report::plain;
 pub use report::{Made, Report};
-pub use table::{final_beliefs, table};
+pub(crate) use scene::Canvas;
+pub use scene::backdrop;
+pub use table::{comparison, final_beliefs, table};
 
 use crate::Result;
 use crate::metrics::Summary;
-use crate::record::Run;
+use crate::record::{MethodRecord, Run};
+use loc_core::Trajectory;
+use std::fmt::Write;
 
 /// All files of a run, ready to be written.
 ///
@@ -49,7 +42,7 @@ pub fn files<'a>(
     let made = made.into();
     let mut folder = Folder::default();
     folder.add("summary.json", pretty(summary)?);
-    trajectories::add(&mut folder, run)?;
+    add_trajectories(&mut folder, run)?;
     let figures = figures::all(run, title);
     let report = Report { run, summary, title, made };
     folder.add("report.html", report.html(&figures));
@@ -66,4 +59,41 @@ fn pretty(value: &impl serde::Serialize) -> Result<String> {
         message: error.to_string(),
     })?;
     Ok(json + "\n")
+}
+
+/// Truth and estimates as TUM files, covariances as CSV.
+fn add_trajectories(folder: &mut Folder, run: &Run) -> Result<()> {
+    let mut truth = Trajectory::new();
+    for pose in &run.truth {
+        truth.push(pose.stamp, pose.value.pose)?;
+    }
+    if !truth.is_empty() {
+        folder.add("truth.tum", truth.to_tum());
+    }
+    for record in &run.methods {
+        let name = record.name();
+        let mut estimate = Trajectory::new();
+        for (stamp, given) in run.stamps.iter().zip(&record.estimates) {
+            estimate.push(*stamp, given.pose)?;
+        }
+        folder.add(format!("estimate_{name}.tum"), estimate.to_tum());
+        if let Some(csv) = covariances(run, record) {
+            folder.add(format!("covariance_{name}.csv"), csv);
+        }
+    }
+    Ok(())
+}
+
+/// `None` for a method that has no covariances.
+fn covariances(run: &Run, record: &MethodRecord) -> Option<String> {
+    let mut csv = String::from("t,xx,xy,xtheta,yy,ytheta,thetatheta\n");
+    let mut any = false;
+    for (stamp, estimate) in run.stamps.iter().zip(&record.estimates) {
+        let Some(s) = estimate.covariance else { continue };
+        any = true;
+        // Writing to a String cannot fail.
+        let _ =
+            writeln!(csv, "{},{},{},{},{},{},{}", stamp, s.m11, s.m12, s.m13, s.m22, s.m23, s.m33);
+    }
+    any.then_some(csv)
 }

@@ -5,15 +5,19 @@ mod playback;
 
 pub use playback::{Frame, MethodFrame, Playback, PlaybackRecorder};
 
-use crate::localizer::{
-    Cloud, Estimate, EstimatedMap, Judgement, Method, MethodSettings, PlaceBelief, SensorError,
-};
+use crate::localizer::{Method, MethodSettings};
 use crate::metrics::pose_nees_with_freedom;
 use crate::source::{OdometryTiming, SensorTruth, Setup};
 use loc_core::{Pose2, Stamped};
 use loc_filters::line_matching::LineUpdate;
+use loc_filters::localizer::{
+    Estimate, EstimatedMap, GridBelief, Outcome, ParticleSet, SensorError,
+};
 use loc_sensors::event::Truth;
 use std::borrow::Cow;
+
+/// How many particles of a method are kept for a figure.
+pub(crate) const MAX_PARTICLES: usize = 500;
 
 /// A finished run of several methods over one source.
 #[derive(Debug, Clone)]
@@ -51,15 +55,15 @@ pub struct MethodRecord {
     pub smoothed: bool,
     /// Its estimates, one for each stamp of the run.
     pub estimates: Vec<Estimate>,
-    /// Its judgements on the measurements, with their stamps \[s\].
-    pub judgements: Vec<Stamped<Judgement>>,
+    /// Its outcomes on the measurements, with their stamps \[s\].
+    pub outcomes: Vec<Stamped<Outcome>>,
     /// Its estimates of the errors of its sensors, for each stamp of the run; empty for a method
     /// that does not estimate any.
     pub sensor_errors: Vec<Vec<SensorError>>,
     /// Particle sets at some stamps, of a particle filter.
     pub snapshots: Snapshots,
     /// Probability grids at some stamps, of a grid filter.
-    pub beliefs: Snapshots<PlaceBelief>,
+    pub beliefs: Snapshots<GridBelief>,
     /// The scans with the largest corrections, of a method that matches lines.
     pub lines: LineMoments,
     /// The map at the end, of a method that builds one.
@@ -81,7 +85,7 @@ impl MethodRecord {
             global: false,
             smoothed: false,
             estimates: Vec::new(),
-            judgements: Vec::new(),
+            outcomes: Vec::new(),
             sensor_errors: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),
             beliefs: Snapshots::new(setup.kidnapped_at),
@@ -146,12 +150,12 @@ impl Run {
 ///
 /// ```
 /// use loc_core::Pose2;
-/// use loc_sim::localizer::Cloud;
+/// use loc_filters::localizer::ParticleSet;
 /// use loc_sim::record::Snapshots;
 /// let mut snapshots = Snapshots::new(Some(500.0));
 /// for k in 0..1000 {
 ///     let pose = Pose2::new(f64::from(k), 0.0, 0.0);
-///     snapshots.offer(f64::from(k), Cloud { particles: vec![(pose, 1.0)], weighed: None });
+///     snapshots.offer(f64::from(k), ParticleSet { particles: vec![(pose, 1.0)], weighed: None });
 /// }
 /// assert!(snapshots.len() <= Snapshots::MAX);
 /// let stamps: Vec<f64> = snapshots.iter().map(|snapshot| snapshot.stamp).collect();
@@ -159,7 +163,7 @@ impl Run {
 /// assert!(stamps.contains(&501.0) && stamps.last() > Some(&950.0));
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Snapshots<T = Cloud> {
+pub struct Snapshots<T = ParticleSet> {
     kept: Vec<Stamped<T>>,
     /// For each one its number among those that may be removed later.
     numbers: Vec<Option<usize>>,

@@ -1,9 +1,9 @@
 //! Frames of a run for the playback in the report: scan, landmarks and beliefs over time.
 
 use crate::Result;
-use crate::localizer::{Hypothesis, Localizer};
 use crate::runner::Observer;
 use loc_core::Pose2;
+use loc_filters::localizer::{Hypothesis, Localizer};
 use loc_sensors::event::{Event, Measurement, Payload};
 use loc_sensors::landmark_camera::Observed;
 use std::f64::consts::TAU;
@@ -136,11 +136,11 @@ impl Detections {
 
 impl MethodFrame {
     fn of(method: &dyn Localizer) -> Self {
-        let cloud = method.cloud().unwrap_or_default();
+        let cloud = method.particle_set(super::MAX_PARTICLES).unwrap_or_default();
         MethodFrame {
             particle_count: method.particle_count(),
             particles: poses(&cloud.particles),
-            weighed: poses(cloud.weighed.as_deref().unwrap_or_default()),
+            weighed: poses(cloud.weighted.as_deref().unwrap_or_default()),
             hypotheses: method.hypotheses(),
         }
     }

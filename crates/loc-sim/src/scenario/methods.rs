@@ -66,6 +66,7 @@ impl FilterConfig {
         line_matching.check()?;
         Ok(MethodSettings {
             landmark: self.apply(landmark)?,
+            horizon: self.horizon(MethodSettings::default().horizon)?,
             mcl: self.mcl.clone(),
             histogram: self.histogram,
             landmark_mcl: self.landmark_mcl.settings()?,
@@ -79,6 +80,14 @@ impl FilterConfig {
             smooth: self.smooth,
             ..MethodSettings::default()
         })
+    }
+
+    /// How late an input may come \[s\], `usual` where this section does not say.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`].
+    pub(super) fn horizon(&self, usual: f64) -> Result<f64> {
+        Ok(non_negative("filter.horizon_s", self.horizon_s.unwrap_or(usual))?)
     }
 
     /// Settings with what this section says put over `settings`.
@@ -95,9 +104,6 @@ impl FilterConfig {
         }
         if let Some(probability) = self.gate_probability {
             settings.gate_probability = positive("filter.gate_probability", probability)?;
-        }
-        if let Some(horizon) = self.horizon_s {
-            settings.horizon = non_negative("filter.horizon_s", horizon)?;
         }
         Ok(settings)
     }

@@ -21,7 +21,7 @@ pub use methods::{
 };
 pub use recording::{RecordingConfig, StartConfig};
 
-use crate::demonstration::DemonstrationConfig;
+use crate::demonstration::{Demonstration, DemonstrationConfig};
 use crate::localizer::{Method, MethodSettings};
 use crate::output::Illustration;
 use crate::probability_map::{ProbabilityMap, ProbabilityMapConfig};
@@ -245,9 +245,7 @@ impl Scenario {
             Kind::ProbabilityMap(config) => {
                 Some(ProbabilityMap::new(config, seed)?.illustrate(&self.title, config))
             }
-            Kind::Demonstration(demonstration) => {
-                Some(demonstration.illustrate(&self.title, seed)?)
-            }
+            Kind::Demonstration(demonstration) => Some(demonstration.run(&self.title, seed)?),
             Kind::Sensor(sensor) => Some(sensor.illustrate(seed)?),
             Kind::Drive(_) | Kind::Rail(_) | Kind::Tour(_) | Kind::Outdoor(_) => None,
         })

@@ -4,12 +4,13 @@
 //! and farthest from walls (the dynamic window of Fox, Burgard and Thrun 1997, with a single speed).
 //! It draws no random numbers: one map and one start give one drive.
 
-use super::Place;
+use super::{Place, Station};
 use crate::Result;
 use crate::config::field;
 use loc_core::error::positive;
 use loc_core::motion::Integration;
 use loc_core::{Pose2, Twist2};
+use loc_plot::{Chart, Role, Style};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -38,12 +39,64 @@ pub(super) struct Step {
     pub(super) change: Twist2,
 }
 
+/// A drive, step by step.
+pub(super) struct Drive {
+    /// Where it starts.
+    pub(super) start: Pose2,
+    /// Its time steps.
+    pub(super) steps: Vec<Step>,
+}
+
+impl Drive {
+    /// A number over time, of the index of a step and the step.
+    pub(super) fn over_time(&self, of: impl Fn(usize, &Step) -> f64) -> Vec<(f64, f64)> {
+        self.steps.iter().enumerate().map(|(k, step)| (step.time, of(k, step))).collect()
+    }
+
+    /// The true path.
+    pub(super) fn path(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.steps.iter().map(|step| (step.pose.x, step.pose.y))
+    }
+
+    /// The pose at the end.
+    pub(super) fn end(&self) -> Pose2 {
+        self.steps.last().map_or(self.start, |step| step.pose)
+    }
+
+    /// The drive over the map.
+    pub(super) fn draw(&self, station: &Station, title: &str) -> String {
+        let scene = station.scene(title, "").path(Role::Method(0), "true path", self.path());
+        scene.poses(Role::Truth, "start", [self.start]).render()
+    }
+
+    /// A chart of what is measured in the first style, over the truth in the second one.
+    pub(super) fn compared(
+        &self,
+        name: &str,
+        label: &str,
+        [measured, truth]: [Style; 2],
+        measurement: impl Fn(usize, &Step) -> f64,
+        true_value: impl Fn(usize, &Step) -> f64,
+    ) -> Chart {
+        Chart::new(name).line(measured, label, self.over_time(measurement)).line(
+            truth,
+            "truth",
+            self.over_time(true_value),
+        )
+    }
+}
+
+/// The usual styles of a measurement and of the truth.
+pub(super) fn dotted_truth() -> [Style; 2] {
+    [Role::Method(1).into(), Role::Truth.dotted()]
+}
+
 const MAX_STEPS: f64 = 1e6;
 /// The robot stands for this long before it starts \[s\].
 const STAND: f64 = 2.0;
 /// How far it looks ahead, and in what steps \[s\].
 const HORIZON: f64 = 3.0;
-const LOOK: f64 = 0.2;
+const LOOK_STEP: f64 = 0.2;
 /// Largest turn rate \[rad/s\], and accelerations \[m/s^2, rad/s^2\].
 const TURN: f64 = 1.0;
 const ACCELERATION: f64 = 0.8;
@@ -56,8 +109,8 @@ impl DriveSettings {
         DriveSettings { duration, speed: 0.8, time_step }
     }
 
-    /// Drives from a start, or from the middle of the widest place.
-    pub(super) fn drive(&self, place: &Place, start: Pose2) -> Result<Vec<Step>> {
+    /// Drives from a start.
+    pub(super) fn drive(&self, place: &Place, start: Pose2) -> Result<Drive> {
         positive("drive.duration [s]", self.duration)?;
         positive("drive.speed [m/s]", self.speed)?;
         positive("drive.time_step [s]", self.time_step)?;
@@ -69,7 +122,7 @@ impl DriveSettings {
         let body = (0.6 * place.clearance(&start.position())).min(0.35);
         let visits = BTreeMap::new();
         let mut driver = Driver { place, body, speed: self.speed, turning: 1.0, visits };
-        let (mut pose, mut twist, mut drive) = (start, Twist2::ZERO, Vec::new());
+        let (mut pose, mut twist, mut steps_driven) = (start, Twist2::ZERO, Vec::new());
         let (mut goal, mut decided) = (Twist2::ZERO, f64::NEG_INFINITY);
         // Checked to be a whole number up to 1e6.
         for k in 1..=steps as usize {
@@ -85,9 +138,9 @@ impl DriveSettings {
                 Twist2::forward(per_second(twist.vx, next.vx), per_second(twist.omega, next.omega));
             pose = Integration::ExactArc.step(pose, mean, self.time_step);
             twist = next;
-            drive.push(Step { time, pose, twist: mean, change });
+            steps_driven.push(Step { time, pose, twist: mean, change });
         }
-        Ok(drive)
+        Ok(Drive { start, steps: steps_driven })
     }
 
     /// The velocity after a step: it follows the goal smoothly, within the accelerations.
@@ -137,10 +190,10 @@ impl Driver<'_> {
     /// The share of the horizon that an arc stays in free space, its smallest clearance \[m\], and
     /// how well the robot knows the places along it: it looks for new ones.
     fn look_ahead(&self, pose: Pose2, omega: f64) -> (f64, f64, f64) {
-        let steps = (HORIZON / LOOK).round() as usize;
+        let steps = (HORIZON / LOOK_STEP).round() as usize;
         let (mut at, mut room, mut known) = (pose, f64::INFINITY, 0.0);
         for k in 0..steps {
-            at = Integration::ExactArc.step(at, Twist2::forward(self.speed, omega), LOOK);
+            at = Integration::ExactArc.step(at, Twist2::forward(self.speed, omega), LOOK_STEP);
             let clearance = self.place.clearance(&at.position());
             if clearance < self.body {
                 return (k as f64 / steps as f64, 0.0, known);
@@ -156,14 +209,4 @@ impl Driver<'_> {
 fn square(pose: Pose2) -> (i64, i64) {
     // The casts saturate.
     ((2.0 * pose.x).floor() as i64, (2.0 * pose.y).floor() as i64)
-}
-
-/// A number over time.
-pub(super) fn over_time(drive: &[Step], of: impl Fn(usize, &Step) -> f64) -> Vec<(f64, f64)> {
-    drive.iter().enumerate().map(|(k, step)| (step.time, of(k, step))).collect()
-}
-
-/// The true path.
-pub(super) fn path(drive: &[Step]) -> impl Iterator<Item = (f64, f64)> + '_ {
-    drive.iter().map(|step| (step.pose.x, step.pose.y))
 }

@@ -1,10 +1,9 @@
 //! A satellite receiver along a drive.
 
-use super::drive::{DriveSettings, Step, path};
-use super::station::rms;
-use super::{Place, Sensor, Station, Taken};
+use super::drive::{Drive, DriveSettings, Step};
+use super::{Sensor, Station, Taken, rms};
 use crate::Result;
-use crate::output::svg::{Chart, Figure, Role};
+use loc_plot::{Chart, Figure, Role};
 use loc_sensors::gnss::{Geodetic, Gnss, GnssFix, GnssNoise, LocalFrame, Outages};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -53,15 +52,14 @@ fn take(station: &Station) -> Result<Taken> {
     loc_core::error::positive("interval [s]", settings.interval)?;
     let frame = LocalFrame::new(settings.origin)?;
     let receiver = Gnss::new(frame).with_noise(settings.noise)?.with_outages(settings.outages)?;
-    let start = station.pose_or(Place::middle)?;
-    let drive = settings.drive.drive(station.place, start)?;
+    let drive = station.drive(&settings.drive)?;
     let every = (settings.interval / settings.drive.time_step).round().clamp(1.0, 1e6) as usize;
-    let asked: Vec<&Step> = drive.iter().skip(every - 1).step_by(every).collect();
-    let fixes = fixes(station, &settings, receiver, &frame, &asked);
+    let steps: Vec<&Step> = drive.steps.iter().skip(every - 1).step_by(every).collect();
+    let fixes = fixes(station, &settings, receiver, &frame, &steps);
 
-    let mut taken = Taken::new(start, &settings);
+    let mut taken = Taken::new(drive.start, &settings);
     let error = |of: fn(&Fix) -> f64| rms(fixes.iter().map(of));
-    taken.tell("asked", asked.len());
+    taken.tell("asked", steps.len());
     taken.tell("fixes", fixes.len());
     taken.tell("sigma_m", settings.noise.sigma());
     taken.tell("east_error_rms_m", error(|fix| fix.error.x));
@@ -79,7 +77,7 @@ fn take(station: &Station) -> Result<Taken> {
         }),
     );
     taken.folder.add("gnss.svg", over_map(station, &frame, &drive, &fixes));
-    taken.folder.add("errors.svg", in_time(&settings, &asked, &fixes, station.preset));
+    taken.folder.add("errors.svg", in_time(&settings, &steps, &fixes, station.preset));
     Ok(taken)
 }
 
@@ -88,7 +86,7 @@ fn fixes(
     settings: &Settings,
     mut receiver: Gnss,
     frame: &LocalFrame,
-    asked: &[&Step],
+    steps: &[&Step],
 ) -> Vec<Fix> {
     let mut rng = station.errors();
     let one = |step: &&Step| {
@@ -96,32 +94,27 @@ fn fixes(
         let truth = Vector3::new(step.pose.x, step.pose.y, 0.0);
         Some(Fix { time: step.time, error: frame.to_enu(&fix.position) - truth, fix })
     };
-    asked.iter().filter_map(one).collect()
+    steps.iter().filter_map(one).collect()
 }
 
-fn over_map(station: &Station, frame: &LocalFrame, drive: &[Step], fixes: &[Fix]) -> String {
-    let subtitle = format!(
-        "{} in {}: {} fixes; ellipses show what the receiver claims",
-        station.preset,
-        station.place.name(),
-        fixes.len()
-    );
+fn over_map(station: &Station, frame: &LocalFrame, drive: &Drive, fixes: &[Fix]) -> String {
+    let note = format!("{} fixes; ellipses show what the receiver claims", fixes.len());
     let place = |fix: &Fix| fix.fix.in_plane(frame);
     let claimed = fixes.iter().step_by(fixes.len().div_ceil(4).max(1));
     let claimed = claimed.map(|fix| place(fix).ellipse(2.0));
     let dots = fixes.iter().map(place).map(|belief| (belief.mean.x, belief.mean.y));
     station
-        .scene("Positions by satellite along a drive", &subtitle)
+        .scene("Positions by satellite along a drive", &note)
         .ellipses(Role::Method(5).width(1.0), "claimed, 2 sigma", claimed)
-        .path(Role::Truth.dotted(), "true path", path(drive))
+        .path(Role::Truth.dotted(), "true path", drive.path())
         .dots(Role::Method(1).width(3.0), "fix", dots)
         .render()
 }
 
-fn in_time(settings: &Settings, asked: &[&Step], fixes: &[Fix], preset: &str) -> String {
+fn in_time(settings: &Settings, steps: &[&Step], fixes: &[Fix], preset: &str) -> String {
     // A line breaks where there is no fix.
     let mut next = fixes.iter().peekable();
-    let rows: Vec<(f64, Vector3<f64>)> = asked
+    let rows: Vec<(f64, Vector3<f64>)> = steps
         .iter()
         .map(|step| {
             let found = next.next_if(|fix| fix.time <= step.time + 1e-9);

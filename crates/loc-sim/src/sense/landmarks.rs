@@ -1,13 +1,11 @@
 //! A camera that recognises landmarks on the walls.
 
-use super::station::rms;
-use super::{Place, Sensor, Station, Taken};
+use super::{Place, Sensor, Station, Taken, check_count, rms, xy};
 use crate::Result;
-use crate::config::field;
-use crate::output::svg::{Chart, Figure, Role};
 use loc_core::{Ellipse, Gaussian, Pose2, angle};
 use loc_maps::grid::Occupancy;
 use loc_maps::{Landmark, LandmarkMap, Occluded};
+use loc_plot::{Chart, Figure, Role};
 use loc_sensors::landmark_camera::{LandmarkCamera, LandmarkNoise, LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
@@ -23,7 +21,6 @@ pub(super) const SENSOR: Sensor = Sensor {
     take,
 };
 
-const MAX: usize = 1000;
 /// A wall this close before a landmark does not hide it \[m\]: it hangs there.
 const SLACK: f64 = 0.15;
 
@@ -60,9 +57,7 @@ fn take(station: &Station) -> Result<Taken> {
     let settings = station.settings(Settings { camera, count: 16 })?;
     let camera = settings.camera;
     camera.check()?;
-    if !(1..=MAX).contains(&settings.count) {
-        return Err(field("count", "1 to 1000 landmarks", &settings.count.to_string()));
-    }
+    check_count("count", "1 to 1000 landmarks", 1..=1000, settings.count)?;
     let landmarks = match station.place.landmarks() {
         Some(landmarks) => landmarks.clone(),
         None => on_walls(station.place, settings.count)?,
@@ -83,13 +78,11 @@ fn take(station: &Station) -> Result<Taken> {
     let seen: Vec<Seen> = observations.iter().filter_map(|s| seen(*s, &landmarks, eye)).collect();
 
     let mut taken = Taken::new(pose, &settings);
-    let range_error = |seen: &Seen| seen.observation.sight.range().map(|r| r - seen.range);
-    let turn = |s: &Seen| s.observation.sight.bearing().map(|b| angle::difference(b, s.bearing));
     taken.tell("landmarks", landmarks.len());
     taken.tell("in_view", truth.len());
     taken.tell("seen", observations.len());
     taken.tell("range_error_rms_m", rms(seen.iter().filter_map(range_error)));
-    taken.tell("bearing_error_rms_deg", rms(seen.iter().filter_map(turn)).to_degrees());
+    taken.tell("bearing_error_rms_deg", rms(seen.iter().filter_map(bearing_error)).to_degrees());
     taken.table(
         "observations.csv",
         ["landmark", "range_m", "bearing_rad", "true_range_m", "true_bearing_rad"],
@@ -109,9 +102,9 @@ fn take(station: &Station) -> Result<Taken> {
 /// The observation beside the truth; numbers that were misread are compared with what they claim.
 fn seen(observation: LandmarkObservation, landmarks: &LandmarkMap, eye: Pose2) -> Option<Seen> {
     let position = landmarks.get(observation.landmark)?.position.xy();
-    let way = position - eye.position();
-    let bearing = angle::wrap(way.y.atan2(way.x) - eye.theta);
-    Some(Seen { observation, range: way.norm(), bearing })
+    let sight = position - eye.position();
+    let bearing = angle::wrap(sight.y.atan2(sight.x) - eye.theta);
+    Some(Seen { observation, range: sight.norm(), bearing })
 }
 
 /// Landmarks on walls that border on free space, spread evenly: each as far as possible from all
@@ -167,59 +160,49 @@ fn over_map(
     landmarks: &LandmarkMap,
     seen: &[Seen],
 ) -> String {
-    let camera = &settings.camera;
-    let subtitle = format!(
-        "{} in {}: {} of {} landmarks seen, the others hidden or out of view",
-        station.preset,
-        station.place.name(),
-        seen.len(),
-        landmarks.len()
-    );
-    let mut scene = station.scene("Landmarks as a camera sees them", &subtitle);
+    let (camera, of) = (&settings.camera, landmarks.len());
+    let note = format!("{} of {of} landmarks seen, the others hidden or out of view", seen.len());
+    let mut scene = station.scene("Landmarks as a camera sees them", &note);
     if camera.fov < TAU {
-        let edge = |side: f64| {
-            let turn = Pose2::new(eye.x, eye.y, eye.theta + 0.5 * side * camera.fov);
-            let range = station.place.range(turn, camera.max_range);
-            let end = turn.transform(&Point2::new(range, 0.0));
-            ((eye.x, eye.y), (end.x, end.y))
-        };
-        let edges = [edge(-1.0), edge(1.0)];
-        scene = scene.segments(Role::Reference.dashed().width(1.0), "field of view", edges);
+        scene = station.field_of_view(scene, eye, camera.fov, camera.max_range);
     }
-    let sight = |seen: &Seen| {
-        let end = measured(seen, eye);
-        ((eye.x, eye.y), (end.x, end.y))
-    };
-    scene = scene.segments(Role::Method(5).width(0.7), "line of sight", seen.iter().map(sight));
+    let places = || seen.iter().map(|seen| xy(measured(seen, eye)));
     let ellipses = seen.iter().filter_map(|seen| two_sigma(seen, eye, &camera.noise));
-    scene = scene.ellipses(Role::Method(1).width(1.0), "measured, 2 sigma", ellipses);
-    let stars = seen.iter().map(|seen| measured(seen, eye)).map(|place| (place.x, place.y));
-    scene = scene.stars(Role::Method(1), "measured, 2 sigma", stars);
     let named = landmarks.iter().map(|l| ((l.position.x, l.position.y), l.id.to_string()));
-    let scene = scene.crosses(Role::Method(0), "landmark", named);
-    scene.poses(Role::Truth, "camera", [eye]).render()
+    let sights = places().map(|place| ((eye.x, eye.y), place));
+    scene
+        .segments(Role::Method(5).width(0.7), "line of sight", sights)
+        .ellipses(Role::Method(1).width(1.0), "measured, 2 sigma", ellipses)
+        .stars(Role::Method(1), "measured, 2 sigma", places())
+        .crosses(Role::Method(0), "landmark", named)
+        .poses(Role::Truth, "camera", [eye])
+        .render()
 }
 
 fn errors(seen: &[Seen], noise: &LandmarkNoise, preset: &str) -> String {
-    let ranges =
-        seen.iter().filter_map(|s| Some((s.range, s.observation.sight.range()? - s.range)));
-    let turn = |s: &Seen| Some(angle::difference(s.observation.sight.bearing()?, s.bearing));
-    let turns = seen.iter().filter_map(|s| Some((s.range, turn(s)?.to_degrees())));
+    let ranges = seen.iter().filter_map(|s| Some((s.range, range_error(s)?)));
+    let turns = seen.iter().filter_map(|s| Some((s.range, bearing_error(s)?.to_degrees())));
     let farthest = seen.iter().map(|seen| seen.range).fold(0.5, f64::max);
-    let span = || (0..=20).map(|k| f64::from(k) / 20.0 * farthest);
-    let band = span().map(|range| {
-        let two_sigma = 2.0 * noise.range_sigma_at(range);
-        (range, -two_sigma, two_sigma)
-    });
-    let angles = 2.0 * noise.bearing_sigma.to_degrees();
-    let range = Chart::new("error of the range [m]")
-        .band(Role::Method(1), "2 sigma", band)
-        .points(Role::Method(1).width(5.0), "observation", ranges)
-        .reference(0.0, "");
-    let bearing = Chart::new("error of the bearing [deg]")
-        .band(Role::Method(1), "2 sigma", span().map(|range| (range, -angles, angles)))
-        .points(Role::Method(1).width(5.0), "observation", turns)
-        .reference(0.0, "");
+    let chart = |name: &str, two_sigma: &dyn Fn(f64) -> f64, errors: Vec<(f64, f64)>| {
+        let span = (0..=20).map(|k| f64::from(k) / 20.0 * farthest);
+        let band = span.map(|range| (range, -two_sigma(range), two_sigma(range)));
+        Chart::new(name)
+            .band(Role::Method(1), "2 sigma", band)
+            .points(Role::Method(1).width(5.0), "observation", errors)
+            .reference(0.0, "")
+    };
+    let (of_range, of_bearing) =
+        (|range| 2.0 * noise.range_sigma_at(range), 2.0 * noise.bearing_sigma.to_degrees());
+    let range = chart("error of the range [m]", &of_range, ranges.collect());
+    let bearing = chart("error of the bearing [deg]", &|_| of_bearing, turns.collect());
     let figure = Figure::new("Errors of the observations").subtitle(preset);
     figure.x_label("true range [m]").panel(range).panel(bearing).render()
+}
+
+fn range_error(seen: &Seen) -> Option<f64> {
+    Some(seen.observation.sight.range()? - seen.range)
+}
+
+fn bearing_error(seen: &Seen) -> Option<f64> {
+    Some(angle::difference(seen.observation.sight.bearing()?, seen.bearing))
 }

@@ -1,15 +1,20 @@
-//! A laser scan over the map, and its errors beam by beam.
+//! A laser scan over the map with its errors beam by beam, and a scan out of a recording with the
+//! lines that are found in it.
 
-use super::recorded::lines_over;
-use super::station::{mean, rms};
-use super::{Place, Sensor, Station, Taken};
-use crate::Result;
-use crate::output::svg::{Chart, Figure, Role};
+use super::{Place, Reading, Sensor, Station, Taken, check_twist, csv, mean, rms, xy};
+use crate::output::{Folder, backdrop};
+use crate::source::carmen::CarmenLog;
+use crate::{Error, Result};
 use loc_core::{Pose2, Twist2};
+use loc_maps::grid::io;
+use loc_plot::{Chart, Figure, Role, Scene};
 use loc_sensors::features::{Line, LineExtractor};
 use loc_sensors::laser::{LaserFaults, LaserNoise, LaserScan, LaserScanner, LaserSpec};
 use loc_sensors::world::{Glazed, Pane, Surface};
+use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::path::Path;
 
 pub(super) const SENSOR: Sensor = Sensor {
     name: "laser",
@@ -52,7 +57,7 @@ fn take(station: &Station) -> Result<Taken> {
     let Settings { mounting, spec, faults, velocity, .. } = settings;
     let scanner = LaserScanner { mounting, spec, faults };
     scanner.check()?;
-    super::station::check_twist(velocity)?;
+    check_twist(velocity)?;
     let walls = station.place.walls();
     let world = Glazed::new(walls, settings.panes.iter().copied())?;
     let pose = station.pose_or(|place| view(place, &spec))?;
@@ -92,10 +97,10 @@ fn view(place: &Place, spec: &LaserSpec) -> Result<Pose2> {
     place.best_view(0.8, |pose| {
         let rays = 24;
         let step = (spec.angle_max() - spec.angle_min) / f64::from(rays - 1);
-        let turn =
-            |k| Pose2::new(pose.x, pose.y, pose.theta + spec.angle_min + f64::from(k) * step);
+        let heading = |k| pose.theta + spec.angle_min + f64::from(k) * step;
         let reach = 0.9 * spec.range_max;
-        let seen = (0..rays).map(|k| place.range(turn(k), reach)).filter(|range| *range < reach);
+        let ranges = (0..rays).map(|k| place.range(Pose2::new(pose.x, pose.y, heading(k)), reach));
+        let seen = ranges.filter(|range| *range < reach);
         seen.map(f64::sqrt).sum::<f64>() + 0.1 * place.range(pose, reach)
     })
 }
@@ -117,23 +122,13 @@ fn over_map(
 ) -> String {
     let Settings { mounting, velocity, .. } = *settings;
     let (beams, valid) = (scan.ranges.len(), scan.beams().count());
-    let subtitle = format!(
-        "{} in {}: {valid} of {beams} beams returned; every {}th is drawn",
-        station.preset,
-        station.place.name(),
-        beams.div_ceil(RAYS)
-    );
-    let in_map = |point: nalgebra::Point2<f64>| {
-        let place = pose.transform(&point);
-        (place.x, place.y)
-    };
+    let every = beams.div_ceil(RAYS);
+    let note = format!("{valid} of {beams} beams returned; every {every}th is drawn");
+    let in_map = |point: Point2<f64>| xy(pose.transform(&point));
     let laser = pose * mounting;
-    let mut scene = station.scene("A laser scan over the map", &subtitle);
-    let rays = scan.beams().filter(|beam| beam.index.is_multiple_of(beams.div_ceil(RAYS)));
-    let rays = rays.map(|beam| {
-        let end = laser.transform(&beam.point());
-        ((laser.x, laser.y), (end.x, end.y))
-    });
+    let mut scene = station.scene("A laser scan over the map", &note);
+    let rays = scan.beams().filter(|beam| beam.index.is_multiple_of(every));
+    let rays = rays.map(|beam| ((laser.x, laser.y), xy(laser.transform(&beam.point()))));
     scene = scene.segments(Role::Method(5).width(0.7), "beam", rays);
     for pane in &settings.panes {
         let (role, label) = match pane.surface {
@@ -175,4 +170,73 @@ fn over_angle(scan: &LaserScan, truth: &LaserScan, error: &[f64], preset: &str) 
         .reference(0.0, "");
     let figure = Figure::new("Ranges and their errors, beam by beam").subtitle(preset);
     figure.x_label("angle, counter-clockwise [deg]").panel(range).panel(error).render()
+}
+
+/// Draws scan `index` (counted from 0) of a CARMEN log and the lines in it: over a map at the pose
+/// that the log gives, or else around the scanner.
+///
+/// # Errors
+/// What is wrong with the log or the map, and [`Error::Recording`] for a scan that it has not.
+pub fn recorded_scan(log: &Path, index: usize, map: Option<&Path>) -> Result<Reading> {
+    let lasers = CarmenLog::open(log)?.lasers()?;
+    let Some(laser) = lasers.get(index) else {
+        return Err(Error::Recording {
+            path: log.to_owned(),
+            expected: format!("one of its {} scans, counted from 0", lasers.len()),
+            found: format!("scan {index}"),
+        });
+    };
+    let pose = if map.is_some() { laser.laser } else { Pose2::IDENTITY };
+    let lines = LineExtractor::default().extract(&laser.scan)?;
+    let name = log.file_name().unwrap_or_default().to_string_lossy();
+    let title = format!("scan {index} of {name}");
+    let mut scene = Scene::new("Lines in a recorded scan").subtitle(title.clone());
+    if let Some(map) = map {
+        scene = backdrop(&io::load(map)?).map_or(scene.clone(), |image| scene.backdrop(image));
+    }
+    let mut folder = Folder::default();
+    let ends = laser.scan.beams().map(|beam| xy(pose.transform(&beam.point())));
+    let scene = scene.dots(Role::Method(1), "where a beam ended", ends);
+    let scene = lines_over(scene, pose, &lines).poses(Role::Truth, "scanner", [pose]);
+    folder.add("scan.svg", scene.render());
+    folder.add("lines.csv", table(&lines));
+    let covered: usize = lines.iter().map(|line| line.points).sum();
+    let results = vec![
+        ("beams", json!(laser.scan.ranges.len())),
+        ("valid", json!(laser.scan.beams().count())),
+        ("lines", json!(lines.len())),
+        ("beams_on_lines", json!(covered)),
+    ];
+    let figures: serde_json::Map<_, _> =
+        results.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+    let summary = json!({"log": name, "scan": index, "stamp": laser.stamp, "results": figures});
+    folder.add("summary.json", format!("{summary:#}\n"));
+    Ok(Reading { title, results, summary, folder })
+}
+
+/// The segments of lines in the frame of a scanner at `laser`.
+fn lines_over(scene: Scene, laser: Pose2, lines: &[Line]) -> Scene {
+    let end = |point| xy(laser.transform(point));
+    let segments = lines.iter().map(|line| (end(&line.start), end(&line.end)));
+    scene.segments(Role::Method(2).width(2.5), "line found", segments)
+}
+
+fn table(lines: &[Line]) -> String {
+    let columns = [
+        "r_m",
+        "alpha_rad",
+        "sigma_r_m",
+        "sigma_alpha_rad",
+        "points",
+        "x1_m",
+        "y1_m",
+        "x2_m",
+        "y2_m",
+    ];
+    let row = |l: &Line| {
+        let [sigma_r, sigma_alpha] = [l.covariance.m11, l.covariance.m22].map(f64::sqrt);
+        let (start, end) = (l.start, l.end);
+        [l.r, l.alpha, sigma_r, sigma_alpha, l.points as f64, start.x, start.y, end.x, end.y]
+    };
+    csv(columns, lines.iter().map(row))
 }

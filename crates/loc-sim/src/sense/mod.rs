@@ -1,9 +1,8 @@
-//! One sensor, simulated in a map and drawn: what does it see here, and how wrong is it?
+//! One sensor, simulated in a map and drawn: what does it measure here, and with what errors?
 //!
-//! Before a robot is localized one wants to know what it has to go by. [`sense`] puts a sensor of
-//! the [list](SENSORS) with one of its data sheets into a map, lets it read once at a pose (what
-//! looks at the world) or along a drive through the free space (what feels the robot's motion),
-//! and returns figures, the raw readings as CSV, and how far they are from the truth.
+//! [`sense`] puts a sensor of the [list](SENSORS) with one of its data sheets into a map. It measures
+//! once at a pose (what observes the world) or along a drive through the free space (what measures
+//! the robot's motion). The result holds figures, the raw measurements as CSV, and their errors.
 //!
 //! ```
 //! use loc_sim::sense::{Request, sense};
@@ -13,29 +12,32 @@
 //! # Ok::<(), loc_sim::Error>(())
 //! ```
 
-mod compass;
 mod drive;
-mod encoder;
 mod gnss;
 mod imu;
 mod landmarks;
 mod laser;
 mod place;
 mod radar;
-mod recorded;
 mod rgbd;
 mod sonar;
-mod station;
 mod wheels;
 
+pub use laser::recorded_scan;
 pub use place::{Place, WORLDS};
-pub use recorded::recorded_scan;
-pub use station::{Station, Taken};
 
-use crate::output::Folder;
-use crate::{Error, Result};
-use loc_core::Pose2;
+use crate::output::{Folder, backdrop};
+use crate::{Error, Result, config};
+use drive::{Drive, DriveSettings};
+use loc_core::error::finite;
+use loc_core::random::{ChaCha8Rng, stream};
+use loc_core::{Pose2, Twist2};
+use loc_plot::{Role, Scene};
+use nalgebra::Point2;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// What to simulate, and where.
@@ -57,12 +59,12 @@ pub struct Request {
     pub changes: Vec<String>,
 }
 
-/// What a sensor has read, ready to be written.
+/// What a sensor measures, ready to be written.
 #[derive(Debug, Clone)]
 pub struct Reading {
     /// What was simulated, in a line.
     pub title: String,
-    /// The figures in the order in which they are told.
+    /// The results in the order in which they are printed.
     pub results: Vec<(&'static str, Value)>,
     /// The content of `summary.json`.
     pub summary: Value,
@@ -90,9 +92,9 @@ pub static SENSORS: [Sensor; 10] = [
     sonar::SENSOR,
     radar::SENSOR,
     wheels::SENSOR,
-    encoder::SENSOR,
+    wheels::ENCODER,
     imu::SENSOR,
-    compass::SENSOR,
+    imu::COMPASS,
     gnss::SENSOR,
 ];
 
@@ -177,4 +179,132 @@ fn pick(
         expected: names.collect::<Vec<_>>().join(", "),
         found: name.into(),
     })
+}
+
+/// The sensor in its world, with its settings.
+struct Station<'a> {
+    preset: &'static str,
+    place: &'a Place,
+    pose: Option<Pose2>,
+    seed: u64,
+    changes: &'a [String],
+}
+
+impl Station<'_> {
+    /// The settings of the preset after the changes.
+    fn settings<T: Serialize + DeserializeOwned>(&self, preset: T) -> Result<T> {
+        config::changed(self.preset, preset, self.changes)
+    }
+
+    /// The given pose, or the one that suits the sensor best.
+    fn pose_or(&self, suits: impl FnOnce(&Place) -> Result<Pose2>) -> Result<Pose2> {
+        self.pose.map_or_else(|| suits(self.place), Ok)
+    }
+
+    /// Drives from the given pose, or from the widest place of the map.
+    fn drive(&self, settings: &DriveSettings) -> Result<Drive> {
+        settings.drive(self.place, self.pose_or(Place::middle)?)
+    }
+
+    /// The generator for the errors of the sensor.
+    fn errors(&self) -> ChaCha8Rng {
+        stream(self.seed, "sensors")
+    }
+
+    /// A scene over the map; the subtitle names the preset and the world, and adds a note.
+    fn scene(&self, title: &str, note: &str) -> Scene {
+        let colon = if note.is_empty() { "" } else { ": " };
+        let subtitle = format!("{} in {}{colon}{note}", self.preset, self.place.name());
+        let scene = Scene::new(title).subtitle(subtitle);
+        match backdrop(self.place.grid()) {
+            Some(backdrop) => scene.backdrop(backdrop),
+            None => scene,
+        }
+    }
+
+    /// The edges of a field of view, up to the walls or to `reach` \[m\].
+    fn field_of_view(&self, scene: Scene, eye: Pose2, fov: f64, reach: f64) -> Scene {
+        let edges = [-1.0, 1.0].map(|side| {
+            let edge = Pose2::new(eye.x, eye.y, eye.theta + 0.5 * side * fov);
+            let end = edge.transform(&Point2::new(self.place.range(edge, reach), 0.0));
+            ((eye.x, eye.y), xy(end))
+        });
+        scene.segments(Role::Reference.dashed().width(1.0), "field of view", edges)
+    }
+}
+
+/// What a simulation gives.
+struct Taken {
+    pose: Pose2,
+    settings: Value,
+    results: Vec<(&'static str, Value)>,
+    folder: Folder,
+}
+
+impl Taken {
+    fn new(pose: Pose2, settings: &impl Serialize) -> Self {
+        // Numbers that JSON does not know become null; nothing else can go wrong.
+        let settings = serde_json::to_value(settings).unwrap_or(Value::Null);
+        Taken { pose, settings, results: Vec::new(), folder: Folder::default() }
+    }
+
+    /// Adds a result; numbers that are not finite become null.
+    fn tell(&mut self, name: &'static str, value: impl Into<Value>) {
+        self.results.push((name, value.into()));
+    }
+
+    /// Adds a table of numbers.
+    fn table<const N: usize>(
+        &mut self,
+        name: &str,
+        columns: [&str; N],
+        rows: impl IntoIterator<Item = [f64; N]>,
+    ) {
+        self.folder.add(name, csv(columns, rows));
+    }
+}
+
+/// A table of numbers as CSV; what is no number stays empty.
+fn csv<const N: usize>(columns: [&str; N], rows: impl IntoIterator<Item = [f64; N]>) -> String {
+    let cell = |value: f64| if value.is_nan() { String::new() } else { value.to_string() };
+    let rows = rows.into_iter().map(|row| row.map(cell).join(",") + "\n");
+    columns.join(",") + "\n" + &rows.collect::<String>()
+}
+
+/// Checks how many of something there are.
+fn check_count(
+    key: &str,
+    expected: &str,
+    range: RangeInclusive<usize>,
+    count: usize,
+) -> Result<()> {
+    if range.contains(&count) {
+        return Ok(());
+    }
+    Err(config::field(key, expected, &count.to_string()))
+}
+
+/// Checks a velocity.
+fn check_twist(twist: Twist2) -> Result<()> {
+    finite("velocity.vx [m/s]", twist.vx)?;
+    finite("velocity.vy [m/s]", twist.vy)?;
+    finite("velocity.omega [rad/s]", twist.omega)?;
+    Ok(())
+}
+
+/// Root of the mean square of the numbers that are finite; NaN without any.
+fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
+    mean(values.into_iter().map(|value| value * value)).sqrt()
+}
+
+/// Mean of the numbers that are finite; NaN without any.
+fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
+}
+
+/// The coordinates of a point, as figures want them.
+fn xy(point: Point2<f64>) -> (f64, f64) {
+    (point.x, point.y)
 }

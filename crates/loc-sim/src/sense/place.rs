@@ -20,7 +20,7 @@ const WIDE: f64 = 5.0;
 const PLACES: usize = 300;
 const HEADINGS: usize = 16;
 
-/// A grid with what is asked of it.
+/// A grid, prepared for casting rays and for distances to its walls.
 #[derive(Debug)]
 pub struct Place {
     name: String,
@@ -104,8 +104,8 @@ impl Place {
         let corners = self.grid.frame().corners();
         let range = |of: fn(&Point2<f64>) -> f64| {
             let values = || corners.iter().map(of);
-            let least = values().fold(f64::INFINITY, f64::min);
-            format!("{least:.1} to {:.1} m", values().fold(f64::NEG_INFINITY, f64::max))
+            let min = values().fold(f64::INFINITY, f64::min);
+            format!("{min:.1} to {:.1} m", values().fold(f64::NEG_INFINITY, f64::max))
         };
         let (x, y) = (range(|corner| corner.x), range(|corner| corner.y));
         let expected = format!("a place in free space of {} (x {x}, y {y})", self.name);
@@ -141,12 +141,19 @@ impl Place {
         self.walls.cast(&pose.position(), pose.theta, reach).unwrap_or(reach)
     }
 
-    /// Centres of free cells that have the clearance, or nearly the most that there is.
+    /// Ranges in 25 directions over a field of view `fov` \[rad\], at most `reach` \[m\].
+    pub fn fan(&self, pose: Pose2, fov: f64, reach: f64) -> Vec<f64> {
+        let heading = |k: i32| pose.theta + f64::from(k) / 24.0 * fov;
+        let range = |k| self.range(Pose2::new(pose.x, pose.y, heading(k)), reach);
+        (-12..=12).map(range).collect()
+    }
+
+    /// Centres of free cells that have the clearance, or nearly the largest one.
     fn places(&self, wanted: f64) -> Vec<Point2<f64>> {
         let free = || self.grid.centers_of(Occupancy::Free);
-        let most = free().map(|place| self.clearance(&place)).fold(0.0, f64::max);
-        let least = wanted.min(0.9 * most);
-        let fitting: Vec<_> = free().filter(|place| self.clearance(place) >= least).collect();
+        let widest = free().map(|place| self.clearance(&place)).fold(0.0, f64::max);
+        let clearance = wanted.min(0.9 * widest);
+        let fitting: Vec<_> = free().filter(|place| self.clearance(place) >= clearance).collect();
         let step = fitting.len().div_ceil(PLACES).max(1);
         fitting.into_iter().skip(step / 2).step_by(step).collect()
     }

@@ -1,12 +1,10 @@
 //! Radar echoes of people who walk about.
 
-use super::station::{check_twist, rms};
-use super::{Place, Sensor, Station, Taken};
+use super::{Place, Sensor, Station, Taken, check_count, check_twist, rms, xy};
 use crate::Result;
-use crate::config::field;
-use crate::output::svg::{Chart, Figure, Role};
 use loc_core::random::stream;
 use loc_core::{Pose2, Twist2, angle};
+use loc_plot::{Chart, Figure, Role};
 use loc_sensors::radar::{Radar, RadarNoise, RadarReturn, RadarSpec};
 use loc_sensors::world::MovingObject;
 use nalgebra::{Point2, Vector2};
@@ -26,7 +24,6 @@ pub(super) const SENSOR: Sensor = Sensor {
 
 /// Radius of a person \[m\].
 const PERSON: f64 = 0.25;
-const MAX: usize = 1000;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -57,11 +54,11 @@ fn take(station: &Station) -> Result<Taken> {
     radar.check()?;
     check_twist(velocity)?;
     loc_core::error::non_negative("people_speed [m/s]", settings.people_speed)?;
-    if people > MAX {
-        return Err(field("people", "at most 1000", &people.to_string()));
-    }
-    let pose =
-        station.pose_or(|place| place.best_view(1.0, |pose| openness(place, pose, spec.fov)))?;
+    check_count("people", "at most 1000", 0..=1000, people)?;
+    let open = |place: &Place| {
+        place.best_view(1.0, |pose| place.fan(pose, spec.fov, 30.0).into_iter().sum())
+    };
+    let pose = station.pose_or(open)?;
     let walls = station.place.walls();
     let crowd = crowd(station, pose * mounting, &settings);
     let echoes = radar.observe(walls, crowd.as_slice(), pose, velocity, &mut station.errors());
@@ -105,12 +102,6 @@ fn take(station: &Station) -> Result<Taken> {
     taken.folder.add("radar.svg", over_map(station, pose * mounting, spec.fov, &crowd, &echoes));
     taken.folder.add("speeds.svg", speeds(&echoes, &visible, station.preset));
     Ok(taken)
-}
-
-/// How far one sees on average \[m\].
-fn openness(place: &Place, pose: Pose2, fov: f64) -> f64 {
-    let turn = |k: i32| Pose2::new(pose.x, pose.y, pose.theta + f64::from(k) / 24.0 * fov);
-    (-12..=12).map(|k| place.range(turn(k), 30.0)).sum()
 }
 
 /// People in free space, most of them where the radar looks.
@@ -168,39 +159,17 @@ fn over_map(
     crowd: &[MovingObject],
     echoes: &[RadarReturn],
 ) -> String {
-    let subtitle = format!(
-        "{} in {}: a line shows the way that the range changes in a second",
-        station.preset,
-        station.place.name()
-    );
-    let mut scene = station.scene("Radar echoes of people who walk", &subtitle);
+    let note = "a line shows the way that the range changes in a second";
+    let scene = station.scene("Radar echoes of people who walk", note);
+    let mut scene = station.field_of_view(scene, radar, fov, 70.0);
     let seen = |echo: &RadarReturn, range: f64| {
         let (sin, cos) = echo.bearing.sin_cos();
-        let place = radar.transform(&Point2::new(range * cos, range * sin));
-        (place.x, place.y)
+        radar.transform(&Point2::new(range * cos, range * sin))
     };
-    let edge = |side: f64| {
-        let turn = Pose2::new(radar.x, radar.y, radar.theta + 0.5 * side * fov);
-        let end = turn.transform(&Point2::new(station.place.range(turn, 70.0), 0.0));
-        ((radar.x, radar.y), (end.x, end.y))
-    };
-    let edges = [edge(-1.0), edge(1.0)];
-    scene = scene.segments(Role::Reference.dashed().width(1.0), "field of view", edges);
-    let near = |echo: &&RadarReturn| {
-        station
-            .place
-            .grid()
-            .value_at(&{
-                let (x, y) = seen(echo, echo.range);
-                Point2::new(x, y)
-            })
-            .is_some()
-    };
-    let shown: Vec<&RadarReturn> = echoes.iter().filter(near).collect();
-    let walk = |one: &MovingObject| {
-        let (from, to) = (one.position, one.position + one.velocity);
-        ((from.x, from.y), (to.x, to.y))
-    };
+    let on_map =
+        |echo: &&RadarReturn| station.place.grid().value_at(&seen(echo, echo.range)).is_some();
+    let shown: Vec<&RadarReturn> = echoes.iter().filter(on_map).collect();
+    let walk = |one: &MovingObject| (xy(one.position), xy(one.position + one.velocity));
     scene = scene.segments(Role::Map.width(1.2), "person, way of a second", crowd.iter().map(walk));
     let heading = |one: &MovingObject| {
         Pose2::new(one.position.x, one.position.y, one.velocity.y.atan2(one.velocity.x))
@@ -210,12 +179,12 @@ fn over_map(
         [(Role::Method(1), "echo, coming", -1.0), (Role::Method(0), "echo, going", 1.0)]
     {
         let of_sign = || shown.iter().filter(move |echo| echo.radial_speed * sign > 0.0);
-        let ways = of_sign().map(|echo| {
+        let changes = of_sign().map(|echo| {
             let end = (echo.range + echo.radial_speed.clamp(-5.0, 5.0)).max(0.0);
-            (seen(echo, echo.range), seen(echo, end))
+            (xy(seen(echo, echo.range)), xy(seen(echo, end)))
         });
-        scene = scene.segments(role.width(2.2), label, ways);
-        scene = scene.stars(role, label, of_sign().map(|echo| seen(echo, echo.range)));
+        scene = scene.segments(role.width(2.2), label, changes);
+        scene = scene.stars(role, label, of_sign().map(|echo| xy(seen(echo, echo.range))));
     }
     scene.poses(Role::Truth, "radar", [radar]).render()
 }

@@ -1,11 +1,9 @@
-//! A ring of ultrasonic rangers: what each cone hears, and what it misses.
+//! A ring of ultrasonic rangers: the echo in each cone, and the walls that give none.
 
-use super::station::rms;
-use super::{Place, Sensor, Station, Taken};
+use super::{Place, Sensor, Station, Taken, check_count, rms, xy};
 use crate::Result;
-use crate::config::field;
-use crate::output::svg::{Chart, Figure, Role};
 use loc_core::{Pose2, angle};
+use loc_plot::{Chart, Figure, Role};
 use loc_sensors::sonar::{Sonar, SonarNoise, SonarRange, SonarSpec};
 use loc_sensors::world::RangeWorld;
 use nalgebra::Point2;
@@ -21,8 +19,6 @@ pub(super) const SENSOR: Sensor = Sensor {
     ],
     take,
 };
-
-const MAX: usize = 1000;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -52,22 +48,20 @@ fn take(station: &Station) -> Result<Taken> {
     let settings = station.settings(Settings { count, ring_radius: 0.2, spec })?;
     settings.spec.check()?;
     loc_core::error::non_negative("ring_radius [m]", settings.ring_radius)?;
-    if !(1..=MAX).contains(&settings.count) {
-        return Err(field("count", "1 to 1000 sonars", &settings.count.to_string()));
-    }
+    check_count("count", "1 to 1000 sonars", 1..=1000, settings.count)?;
     let pose = station.pose_or(view)?;
-    let echoes = listen(station, &settings, pose);
+    let echoes = measure_all(station, &settings, pose);
 
     let mut taken = Taken::new(pose, &settings);
-    let heard = || echoes.iter().filter(|echo| echo.read.is_valid());
+    let valid = || echoes.iter().filter(|echo| echo.read.is_valid());
     let error = |echo: &Echo| echo.read.range - echo.perfect;
     let missed = echoes.iter().filter(|e| e.perfect > e.nearest + 0.05 || e.perfect.is_infinite());
     taken.tell("sonars", echoes.len());
-    taken.tell("heard", heard().count());
+    taken.tell("heard", valid().count());
     taken.tell("no_echo", echoes.iter().filter(|e| e.read.range == f64::INFINITY).count());
     taken.tell("nearest_wall_missed", missed.filter(|e| e.nearest.is_finite()).count());
-    taken.tell("error_rms_mm", 1e3 * rms(heard().map(error)));
-    taken.tell("past_nearest_wall_rms_m", rms(heard().map(|e| e.perfect - e.nearest)));
+    taken.tell("error_rms_mm", 1e3 * rms(valid().map(error)));
+    taken.tell("past_nearest_wall_rms_m", rms(valid().map(|e| e.perfect - e.nearest)));
     taken.table(
         "sonar.csv",
         ["direction_rad", "range_m", "noise_free_m", "nearest_wall_m"],
@@ -85,7 +79,7 @@ fn view(place: &Place) -> Result<Pose2> {
     })
 }
 
-fn listen(station: &Station, settings: &Settings, pose: Pose2) -> Vec<Echo> {
+fn measure_all(station: &Station, settings: &Settings, pose: Pose2) -> Vec<Echo> {
     let walls = station.place.walls();
     let mut rng = station.errors();
     let step = TAU / settings.count as f64;
@@ -113,34 +107,27 @@ fn listen(station: &Station, settings: &Settings, pose: Pose2) -> Vec<Echo> {
 
 /// The outline of a cone up to a range.
 fn cone(echo: &Echo, range: f64) -> Vec<(f64, f64)> {
-    let mut outline = vec![(echo.sonar.x, echo.sonar.y)];
-    outline.extend(arc(echo, range));
-    outline.push((echo.sonar.x, echo.sonar.y));
-    outline
+    let tip = [(echo.sonar.x, echo.sonar.y)];
+    [&tip[..], &arc(echo, range), &tip].concat()
 }
 
 fn arc(echo: &Echo, range: f64) -> Vec<(f64, f64)> {
     let point = |k: i32| {
         let (sin, cos) = (f64::from(k) / 24.0 * echo.read.cone).sin_cos();
-        let end = echo.sonar.transform(&Point2::new(range * cos, range * sin));
-        (end.x, end.y)
+        xy(echo.sonar.transform(&Point2::new(range * cos, range * sin)))
     };
     (-12..=12).map(point).collect()
 }
 
 fn over_map(station: &Station, echoes: &[Echo], pose: Pose2) -> String {
-    let heard = || echoes.iter().filter(|echo| echo.read.is_valid());
+    let valid = || echoes.iter().filter(|echo| echo.read.is_valid());
     let silent = echoes.iter().filter(|echo| !echo.read.is_valid());
-    let subtitle = format!(
-        "{} in {}: an echo came from somewhere on each arc; walls met at a slant give none",
-        station.preset,
-        station.place.name()
-    );
-    let mut scene = station.scene("What a ring of sonars hears", &subtitle);
-    for echo in heard() {
+    let note = "an echo came from somewhere on each arc; walls met at a slant give none";
+    let mut scene = station.scene("What a ring of sonars hears", note);
+    for echo in valid() {
         scene = scene.path(Role::Method(5).width(0.7), "cone", cone(echo, echo.read.range));
     }
-    for echo in heard() {
+    for echo in valid() {
         scene = scene.path(Role::Method(1).width(3.0), "echo", arc(echo, echo.read.range));
     }
     for echo in silent {

@@ -85,7 +85,7 @@ pub struct Silence {
     pub to: f64,
 }
 
-/// A true error over time, named as [`SensorError`](crate::localizer::SensorError) names it.
+/// A true error over time, named as [`SensorError`](loc_filters::localizer::SensorError) names it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueError {
     /// The sensor with the unit of the error.

@@ -3,10 +3,10 @@
 use super::{Setup, Source};
 use crate::Result;
 use crate::config::field;
-use crate::localizer::RailSettings;
 use loc_core::error::{finite, non_negative, positive};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Pose2};
+use loc_filters::kalman::rail::RailSettings;
 use loc_sensors::event::{Control, Event, Measurement, Payload, Truth};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use rand_distr::{Distribution, StandardNormal};

@@ -2,8 +2,8 @@
 //! without any, over the runs and over time.
 
 use super::{CONFIDENCE, Group, Results, Spread, Study};
-use crate::output::svg::{Chart, Figure, Role};
 use loc_core::stats::{RunningMoments, mean_interval, wilson_interval};
+use loc_plot::{Chart, Figure, Role};
 
 /// A figure, ready to be written.
 pub(super) struct StudyFigure {

@@ -2,7 +2,8 @@
 
 use crate::replay::{corrected, drive, open};
 use loc_core::{Pose2, Stamped};
-use loc_sim::localizer::{Judgement, Method, MethodSettings};
+use loc_filters::localizer::{Decision, Outcome};
+use loc_sim::localizer::{Method, MethodSettings};
 use loc_sim::metrics::{Alignment, Summary, found};
 use loc_sim::record::Run;
 use loc_sim::runner;
@@ -17,10 +18,10 @@ fn run(moved: impl Fn(usize, Pose2) -> Pose2) -> Run {
     for (k, truth) in drive().into_iter().enumerate() {
         record.estimates[k].pose = moved(k, truth);
         let stamp = run.stamps[k];
-        let accepted = Judgement { accepted: true, ..Judgement::REFUSED };
-        record.judgements.push(Stamped { stamp, value: accepted });
+        let accepted = Outcome::of(Decision::Accepted);
+        record.outcomes.push(Stamped { stamp, value: accepted });
         if k % 2 == 0 {
-            record.judgements.push(Stamped { stamp, value: Judgement::REFUSED });
+            record.outcomes.push(Stamped { stamp, value: Outcome::of(Decision::Rejected) });
         }
     }
     run

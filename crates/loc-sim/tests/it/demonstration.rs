@@ -2,11 +2,9 @@
 
 use approx::assert_relative_eq;
 use loc_filters::lateration::Caution;
-use loc_sim::demonstration::door_corridor::Step;
-use loc_sim::demonstration::mcl_1d::Stage;
 use loc_sim::demonstration::{
-    DemonstrationConfig, Diversity, DiversityConfig, DoorCorridor, DoorCorridorConfig, Lateration,
-    MailboxDiagnosis, Mcl1d, Mcl1dConfig,
+    DemonstrationConfig, DiversityConfig, DoorCorridorConfig, Mcl1dConfig, SamplingConfig, Stage,
+    Step,
 };
 use loc_sim::scenario::Scenario;
 use roxmltree::Document;
@@ -55,7 +53,7 @@ fn exact_share_near_truth(config: &Mcl1dConfig) -> f64 {
 #[test]
 fn five_stages_find_the_robot() {
     let config = Mcl1dConfig { particles: 20_000, ..corridor() };
-    let stages = Mcl1d::new(&config, 1).unwrap().stages;
+    let stages = config.stages(1).unwrap();
     assert_eq!(stages.len(), 5);
     let near: Vec<f64> = stages.iter().map(Stage::near_truth).collect();
     assert!((near[0] - 0.1).abs() < 0.005, "2 m of 20 m: {near:?}");
@@ -74,7 +72,7 @@ fn five_stages_find_the_robot() {
 /// Roulette ends in copies of one particle; the others keep all, with equal weights.
 #[test]
 fn only_roulette_loses_the_particles_of_a_robot_that_stands_still() {
-    let diversity = Diversity::new(&standing(), 1).unwrap();
+    let diversity = standing().courses(1).unwrap();
     let left = |name: &str| diversity.equal.iter().find(|c| c.name == name).unwrap().left();
     assert_eq!(left("roulette"), 1);
     for name in ["spoke wheel", "stratified", "residual"] {
@@ -91,7 +89,7 @@ fn only_roulette_loses_the_particles_of_a_robot_that_stands_still() {
 fn roulette_takes_as_long_as_theory_says() {
     let config = DiversityConfig { particles: 50, steps: 1000, ..standing() };
     let rounds = (0..40).map(|seed| {
-        let roulette = &Diversity::new(&config, seed).unwrap().equal[0].ancestors;
+        let roulette = &config.courses(seed).unwrap().equal[0].ancestors;
         roulette.iter().position(|left| *left == 1).unwrap() as f64
     });
     let mean = rounds.sum::<f64>() / 40.0;
@@ -105,7 +103,7 @@ fn seldom_is_better_where_weights_differ() {
     let mut sums = [0; 5];
     for seed in 0..6 {
         let config = DiversityConfig { particles: 100, steps: 300, ..standing() };
-        let diversity = Diversity::new(&config, seed).unwrap();
+        let diversity = config.courses(seed).unwrap();
         let courses = [&diversity.scattered[0], &diversity.scattered[2], &diversity.scattered[3]];
         let courses = courses.into_iter().chain(&diversity.seldom[1..]);
         courses.zip(&mut sums).for_each(|(course, sum)| *sum += course.left());
@@ -186,7 +184,7 @@ fn four_rooms_show_what_lateration_can_do() {
         panic!()
     };
     config.draws = 2000;
-    let rooms = Lateration::new(&config, 4).unwrap().rooms;
+    let rooms = config.measure(4).unwrap();
     let ambiguous = rooms.iter().map(|room| {
         room.cautions.iter().any(|caution| matches!(caution, Caution::Ambiguous { .. }))
     });
@@ -206,7 +204,7 @@ fn the_mailbox_by_hand() {
     let Some(DemonstrationConfig::Mailbox(config)) = scenario("mailbox", &[]).demonstration else {
         panic!("no mailbox");
     };
-    let diagnosis = MailboxDiagnosis::new(&config).unwrap();
+    let diagnosis = config.diagnose().unwrap();
     assert_relative_eq!(diagnosis.full_if_up, 0.27 / 0.34, epsilon = 1e-12);
     assert_relative_eq!(diagnosis.full_if_down, 0.03 / 0.66, epsilon = 1e-12);
     assert_relative_eq!(diagnosis.days[0].believed, 0.27 / 0.34, epsilon = 1e-12);
@@ -238,7 +236,7 @@ fn the_corridor_is_told_apart_by_its_doors() {
     let sure =
         DoorCorridorConfig { sees_door: 1.0, false_door: 1e-9, drive_sigma_m: 0.05, ..config };
     for seed in 0..20 {
-        let steps = DoorCorridor::new(&sure, seed).unwrap().steps;
+        let steps = sure.steps(seed).unwrap();
         assert_eq!(steps.len(), 8);
         for step in &steps {
             assert_relative_eq!(
@@ -258,9 +256,8 @@ fn the_corridor_is_told_apart_by_its_doors() {
 /// The moments of each way to draw: exact for all but the tails of the stand-ins.
 #[test]
 fn draws_have_the_moments_of_their_distributions() {
-    use loc_sim::demonstration::{Sampling, SamplingConfig};
     let config = SamplingConfig { draws: 40_000, sigma: 2.0, correlation: 0.6 };
-    let sampling = Sampling::new(&config, 3).unwrap();
+    let sampling = config.draw(3).unwrap();
     // Means of 40 000 draws err by 0.01 in one standard deviation.
     let means = [0.0, 0.0, 0.0, 2.0];
     let third = [0.9973, 0.9983, 1.0, 0.9817];
@@ -271,7 +268,7 @@ fn draws_have_the_moments_of_their_distributions() {
         assert!((moments.within[2] - third).abs() < 0.002, "{} {moments:?}", kind.name);
     }
     assert!((sampling.correlation() - 0.6).abs() < 0.015);
-    assert!(Sampling::new(&SamplingConfig { correlation: 1.5, ..config }, 1).is_err());
+    assert!(SamplingConfig { correlation: 1.5, ..config }.draw(1).is_err());
 }
 
 /// What was put in front of the beams is what the fit finds, as far as shorter ranges count: those

@@ -130,7 +130,7 @@ fn scans_until_found(localizer: &mut GridLocalizer, moments: &[Moment]) -> Optio
     for (k, moment) in moments.iter().take(10).enumerate() {
         let Measurement::Scan { scan, mounting } = &moment.measurement else { continue };
         localizer.update(moment.odometry, scan, *mounting).unwrap();
-        let off = moment.truth.between(localizer.estimate().pose());
+        let off = moment.truth.between(localizer.belief().pose());
         let in_cell = |off: f64| off.abs() <= 0.1;
         if in_cell(off.x) && in_cell(off.y) && angle::wrap(off.theta).abs() <= 2.5_f64.to_radians()
         {

@@ -35,8 +35,8 @@ fn in_the_office_it_is_within_millimetres() {
     let (position, heading) = errors(&run);
     assert!(position <= 0.02 && heading <= 0.3, "{position} m, {heading} deg");
     let record = &run.methods[0];
-    let accepted = record.judgements.iter().filter(|judgement| judgement.value.accepted).count();
-    assert!(accepted > 300 && accepted as f64 > 0.95 * record.judgements.len() as f64);
+    let accepted = record.outcomes.iter().filter(|outcome| outcome.value.accepted()).count();
+    assert!(accepted > 300 && accepted as f64 > 0.95 * record.outcomes.len() as f64);
     // The first scan corrects the rough start, and is drawn.
     let moments: Vec<_> = record.lines.iter().collect();
     assert_eq!((moments.len(), moments[0].stamp), (6, 0.0));

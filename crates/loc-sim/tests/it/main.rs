@@ -10,7 +10,6 @@ mod demonstration;
 #[cfg(feature = "cli")]
 mod eval;
 mod evo;
-mod figures;
 #[cfg(feature = "cli")]
 mod fit_beam;
 mod guide;

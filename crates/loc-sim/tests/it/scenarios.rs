@@ -3,7 +3,8 @@
 
 use approx::assert_relative_eq;
 use loc_core::kinematics::Kurt2Pose;
-use loc_sim::localizer::{Estimate, Method};
+use loc_filters::localizer::Estimate;
+use loc_sim::localizer::Method;
 use loc_sim::output::figures::NAMES;
 use loc_sim::record::Run;
 use loc_sim::scenario::{Scenario, builtin};
@@ -119,7 +120,7 @@ fn one_seed_gives_one_result_and_methods_do_not_disturb_each_other() {
 fn latency_delays_but_does_not_lose() {
     let late = run("landmark-drive", &["drive.camera.latency_s=0.35"]);
     let punctual = run("landmark-drive", &[]);
-    let count = |run: &Run| run.methods[1].judgements.len();
+    let count = |run: &Run| run.methods[1].outcomes.len();
     // Only observations of the last 0.35 s may still be pending at the last truth.
     assert!(count(&late) == count(&punctual) && count(&punctual) > 50);
     let error = |run: &Run| {

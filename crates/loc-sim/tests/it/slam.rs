@@ -1,8 +1,9 @@
 use loc_core::{Gaussian, Pose2};
+use loc_filters::localizer::EstimatedMap;
 use loc_filters::slam::{Identities, MapLandmark};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::event::Payload;
-use loc_sim::localizer::{EstimatedMap, Method, MethodSettings};
+use loc_sim::localizer::{Method, MethodSettings};
 use loc_sim::metrics::{
     Alignment, Consistency, LandmarkErrors, MethodSummary, Summary, landmark_errors,
 };
@@ -144,12 +145,12 @@ fn maps_are_compared_after_a_rigid_alignment() {
         vec![place(4, -0.1, 0.0), place(3, 4.1, 0.0), place(2, 4.1, 3.0), place(1, -0.1, 3.0)];
     landmarks.push(MapLandmark { confirmed: false, ..place(7, 9.0, 9.0) });
     landmarks.push(place(8, 4.3, 3.2));
-    record.map = Some(EstimatedMap { numbered: false, landmarks });
+    record.map = Some(EstimatedMap { known_association: false, landmarks });
     let errors = landmark_errors(&run, &record).unwrap().unwrap();
     assert_eq!((errors.mapped, errors.found, errors.extra), (5, Some(4), Some(1)));
     assert!((errors.rmse_m.unwrap() - 0.1).abs() < 1e-9, "{errors:?}");
     // By their numbers, 1 and 4 as well as 2 and 3 have changed places: a turn is the best.
-    record.map.as_mut().unwrap().numbered = true;
+    record.map.as_mut().unwrap().known_association = true;
     let errors = landmark_errors(&run, &record).unwrap().unwrap();
     assert_eq!((errors.found, errors.extra), (Some(4), Some(1)));
     assert!(errors.rmse_m.unwrap() > 1.0);

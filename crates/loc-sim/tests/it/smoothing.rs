@@ -1,6 +1,7 @@
 //! Kalman runs smoothed after the run.
 
-use loc_sim::localizer::{Estimate, Method, MethodSettings};
+use loc_filters::localizer::Estimate;
+use loc_sim::localizer::{Method, MethodSettings};
 use loc_sim::metrics::{Alignment, Consistency, MethodSummary, Summary};
 use loc_sim::record::Run;
 use loc_sim::runner;

@@ -1,14 +1,9 @@
 //! The figures of a run.
 
-mod clouds;
 mod errors;
-mod fusion;
-mod histogram;
-mod lines;
 mod map;
-mod moments;
+mod particles;
 mod rail;
-mod resampling;
 
 use crate::record::Run;
 use std::borrow::Cow;
@@ -22,6 +17,17 @@ pub struct FigureFile {
     pub caption: Cow<'static, str>,
     /// The SVG text.
     pub svg: String,
+}
+
+impl FigureFile {
+    /// A file with a caption and its SVG text.
+    pub fn new(
+        file: impl Into<Cow<'static, str>>,
+        caption: impl Into<Cow<'static, str>>,
+        svg: String,
+    ) -> Self {
+        FigureFile { file: file.into(), caption: caption.into(), svg }
+    }
 }
 
 /// Every file name that a figure of a run can have.
@@ -54,11 +60,11 @@ pub fn all(run: &Run, title: &str) -> Vec<FigureFile> {
         return rail::all(run, title);
     }
     let mut figures = vec![map::map(run, title)];
-    figures.extend(lines::lines(run));
-    figures.extend(clouds::clouds(run));
-    figures.extend(resampling::resampling(run));
-    figures.extend(fusion::fusion(run));
-    figures.extend(histogram::histogram(run));
+    figures.extend(map::lines(run));
+    figures.extend(particles::clouds(run));
+    figures.extend(particles::resampling(run));
+    figures.extend(errors::fusion(run));
+    figures.extend(particles::histogram(run));
     if run.truth.is_empty() {
         return figures;
     }

@@ -2,10 +2,11 @@
 //! accuracy of position and speed with and without corrections.
 
 use super::FigureFile;
-use crate::localizer::{Estimate, Method};
-use crate::output::svg::{Chart, Figure, Role};
+use crate::localizer::Method;
 use crate::record::{MethodRecord, Run};
 use loc_core::{Gaussian, Normal};
+use loc_filters::localizer::Estimate;
+use loc_plot::{Chart, Figure, Role};
 use loc_sensors::event::Measurement;
 
 pub(super) fn all(run: &Run, title: &str) -> Vec<FigureFile> {
@@ -30,11 +31,11 @@ fn drive(run: &Run, title: &str) -> FigureFile {
     let true_speed = truth.map(|t| (t.stamp, t.value.speed.unwrap_or(f64::NAN)));
     speed = speed.line(Role::Truth.dotted(), "truth", true_speed);
     let figure = Figure::new(title).subtitle("with 2 standard deviations").x_label("time [s]");
-    FigureFile {
-        file: "rail.svg".into(),
-        caption: "Position and speed over time, with two standard deviations".into(),
-        svg: figure.panel(position).panel(speed).render(),
-    }
+    FigureFile::new(
+        "rail.svg",
+        "Position and speed over time, with two standard deviations",
+        figure.panel(position).panel(speed).render(),
+    )
 }
 
 /// The densities of the position at the end: prediction, readings, corrected belief.
@@ -57,11 +58,11 @@ fn density(run: &Run) -> FigureFile {
         chart = chart.line(Role::Truth.dotted(), "true position", upright(truth.value.pose.x));
     }
     let figure = Figure::new(format!("Where the methods believe to be after {end:.1} s"));
-    FigureFile {
-        file: "density.svg".into(),
-        caption: "Densities of the position at the end".into(),
-        svg: figure.x_label("position [m]").panel(chart).render(),
-    }
+    FigureFile::new(
+        "density.svg",
+        "Densities of the position at the end",
+        figure.x_label("position [m]").panel(chart).render(),
+    )
 }
 
 /// Standard deviations over time.
@@ -81,11 +82,11 @@ fn accuracy(run: &Run) -> FigureFile {
     position = position.line(role, label, line(0));
     speed = speed.line(role, label, line(1));
     let figure = Figure::new("Accuracy with and without corrections").x_label("time [s]");
-    FigureFile {
-        file: "accuracy.svg".into(),
-        caption: "Standard deviations of position and speed over time".into(),
-        svg: figure.panel(position).panel(speed).render(),
-    }
+    FigureFile::new(
+        "accuracy.svg",
+        "Standard deviations of position and speed over time",
+        figure.panel(position).panel(speed).render(),
+    )
 }
 
 /// What the Kalman filter would believe if every sensor read at every step. Its covariance does
@@ -127,10 +128,10 @@ fn band(run: &Run, record: &MethodRecord, i: usize) -> Vec<(f64, f64, f64)> {
 
 /// What the sensors read at the end.
 fn readings(run: &Run, end: f64) -> Vec<f64> {
-    let judgements = run.methods.iter().map(|record| &record.judgements);
-    let most = judgements.max_by_key(|judgements| judgements.len());
-    let last = most.into_iter().flatten().filter(|judgement| judgement.stamp >= end);
-    last.filter_map(|judgement| judgement.value.seen_at).map(|place| place.x).collect()
+    let outcomes = run.methods.iter().map(|record| &record.outcomes);
+    let most = outcomes.max_by_key(|outcomes| outcomes.len());
+    let last = most.into_iter().flatten().filter(|outcome| outcome.stamp >= end);
+    last.filter_map(|outcome| outcome.value.observed_at).map(|place| place.x).collect()
 }
 
 /// `None` for a belief that is certain and has no density.

@@ -4,15 +4,14 @@
 //! at any moment, and the errors over time beside it, linked to it. Its script and its style are
 //! files beside this one; its numbers are packed into the page.
 
-mod blob;
-mod data;
-
 use super::figures::FigureFile;
 use super::table::{COLUMNS, cells, table};
 use crate::metrics::Summary;
 use crate::record::Run;
-use data::Player;
+use player::Player;
 use std::fmt::Write;
+
+mod player;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("player.js");
