@@ -18,6 +18,9 @@ pub enum Error {
     /// What a particle filter reports.
     #[error(transparent)]
     ParticleFilter(#[from] loc_pf::Error),
+    /// What a bag of ROS reports.
+    #[error(transparent)]
+    Ros(#[from] loc_ros::Error),
     /// A recording whose parts do not fit together.
     #[error("{}: expected {expected}, got {found}", path.display())]
     Recording {
@@ -27,28 +30,6 @@ pub enum Error {
         expected: String,
         /// What came instead.
         found: String,
-    },
-    /// A message whose bytes are not what its type says.
-    #[error("{what}: expected {expected}, got {found}")]
-    Malformed {
-        /// The field.
-        what: String,
-        /// What was expected.
-        expected: String,
-        /// What came instead.
-        found: String,
-    },
-    /// A transform between two frames that nothing gives.
-    #[error("no transform {target} <- {source_frame} at {stamp} s: {reason}")]
-    NoTransform {
-        /// The frame to be transformed into.
-        target: String,
-        /// The frame to be transformed from.
-        source_frame: String,
-        /// The time \[s\].
-        stamp: f64,
-        /// Which frames or times are known.
-        reason: String,
     },
     /// A scenario or configuration that cannot be understood.
     #[error("{file}: {message}")]

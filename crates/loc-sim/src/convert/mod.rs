@@ -5,7 +5,7 @@
 //! | [`to_tum`] | any recording | one track: the reference, or else the odometry |
 //! | [`to_carmen`] | any recording | odometry, scans of lasers, true poses |
 //! | [`to_mcap`] | any recording | odometry, scans, true poses, as messages of ROS 2 |
-//! | [`transcribe`] | a bag | its own messages under their own topics, as an MCAP file of ROS 2 |
+//! | [`loc_ros::transcribe`] | a bag | its own messages under their own topics, as an MCAP file of ROS 2 |
 //!
 //! A conversion reads the recording as a stream, and says in [`Converted`] what it wrote and what
 //! it had to leave out.
@@ -27,12 +27,10 @@
 mod carmen;
 mod left_out;
 mod mcap;
-mod transcribe;
 mod tum;
 
 pub use carmen::to_carmen;
 pub use mcap::to_mcap;
-pub use transcribe::transcribe;
 pub use tum::{Track, to_tum};
 
 use crate::Result;
@@ -46,6 +44,12 @@ pub struct Converted {
     pub written: u64,
     /// What the target has no place for, as counted lines for the user.
     pub left_out: Vec<String>,
+}
+
+impl From<loc_ros::Transcribed> for Converted {
+    fn from(transcribed: loc_ros::Transcribed) -> Self {
+        Converted { written: transcribed.written, left_out: transcribed.left_out }
+    }
 }
 
 /// Shows every event of a recording to `take`, and the share of its time that has passed to

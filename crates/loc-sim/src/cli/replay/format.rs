@@ -2,7 +2,7 @@
 
 use crate::source::landmarks::{course, kf_slam_demo, victoria_park};
 use crate::source::ranging::{labyrinth, plaza};
-use crate::source::{laser_log, mrclam, ros};
+use crate::source::{laser_log, mrclam};
 use crate::{Error, Result};
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -65,7 +65,7 @@ pub(in crate::cli) fn guess(log: &Path) -> Result<Format> {
     if kf_slam_demo::is_kf_slam_demo(log) {
         return Ok(Format::KfSlamDemo);
     }
-    if ros::is_bag(log)? {
+    if loc_ros::is_bag(log)? {
         return Ok(Format::Ros);
     }
     if log.is_dir() {

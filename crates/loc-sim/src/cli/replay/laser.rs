@@ -6,13 +6,14 @@ use crate::nav2::AmclParameters;
 use crate::scenario::{RecordingConfig, StartConfig, recording};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{Reference, ReplayOptions, Start};
-use crate::source::ros::{RosNames, RosOptions, laser_log};
+use crate::source::ros::laser_log;
 use crate::source::wean::WeanLog;
 use crate::source::{LaserRecording, RosRecording, Source};
 use crate::{Result, config};
 use loc_core::Pose2;
 use loc_maps::LineMap;
 use loc_maps::grid::io;
+use loc_ros::RosNames;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -49,8 +50,8 @@ fn source(
 ) -> anyhow::Result<(Box<dyn Source>, bool)> {
     let log = match format {
         Format::Ros => {
-            let ros = args.ros.options(args.seed.unwrap_or(settings.seed))?;
-            let ros = RosOptions { names, ..ros };
+            let mut ros = args.ros.options(args.seed.unwrap_or(settings.seed))?;
+            ros.recording.names = names;
             // A bag is read as a stream, unless the whole of it is needed at once.
             if options.kidnap.is_none() && options.reference.is_none() {
                 let source = RosRecording::open(log, options, &ros)?;

@@ -2,11 +2,12 @@
 
 use super::Format;
 use super::laser::parse_pose;
-use crate::source::ros::{OdometryDelay, RosNames, RosOptions};
+use crate::source::ros::{OdometryDelay, RosOptions};
 use crate::{Result, config};
 use anyhow::bail;
 use loc_core::error::finite;
 use loc_core::motion::VelocityNoise;
+use loc_ros::{RecordingOptions, RosNames};
 
 /// What is not found in a bag by itself.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -45,10 +46,9 @@ impl RosArgs {
     /// The library's form.
     pub(in crate::cli) fn options(&self, seed: u64) -> Result<RosOptions> {
         let pose = |text: &String| parse_pose("--laser-mounting", text);
-        let known =
-            |delay| Ok::<_, crate::Error>(OdometryDelay::Known(finite("--odom-delay [s]", delay)?));
+        let known = self.odom_delay.map(|delay| finite("--odom-delay [s]", delay)).transpose()?;
         let noise = |text: &String| Ok::<_, crate::Error>((parse_noise(text)?, seed));
-        Ok(RosOptions {
+        let recording = RecordingOptions {
             scan_topic: self.scan_topic.clone(),
             odom_topic: self.odom_topic.clone(),
             reference_topic: self.reference_topic.clone(),
@@ -56,19 +56,17 @@ impl RosArgs {
             imu_topic: self.imu_topic.clone(),
             fix_topic: self.fix_topic.clone(),
             mounting: self.laser_mounting.as_ref().map(pose).transpose()?,
-            odometry_delay: self.odom_delay.map_or(Ok(OdometryDelay::Estimated), known)?,
+            odometry_delay: known.unwrap_or(0.0),
             odometry_noise: self.odom_noise.as_ref().map(noise).transpose()?,
-        })
+        };
+        let delay = if known.is_some() { OdometryDelay::Known } else { OdometryDelay::Estimated };
+        Ok(RosOptions { recording, odometry_delay: delay })
     }
 
     /// The library's form, with stamps as they are unless something else is said.
     pub(in crate::cli) fn as_it_is(&self, seed: u64) -> Result<RosOptions> {
         let options = self.options(seed)?;
-        let delay = match options.odometry_delay {
-            OdometryDelay::Estimated => OdometryDelay::default(),
-            known => known,
-        };
-        Ok(RosOptions { odometry_delay: delay, ..options })
+        Ok(RosOptions { odometry_delay: OdometryDelay::Known, ..options })
     }
 
     /// Refuses what only a bag can have.
