@@ -1,11 +1,8 @@
 //! The recorded bags, where they are there.
 
 use super::all;
-use loc_core::Pose2;
-use loc_sensors::event::{Measurement, Payload};
-use loc_sim::source::Source;
-use loc_sim::source::laser_log::{ReplayOptions, Start};
-use loc_sim::source::ros::{RosOptions, RosRecording};
+use loc_ros::{Recording, RecordingOptions};
+use loc_sensors::event::Measurement;
 use std::path::PathBuf;
 
 fn bags() -> Option<PathBuf> {
@@ -20,7 +17,7 @@ fn bags() -> Option<PathBuf> {
 #[test]
 fn turtlebot4_has_all_its_messages_and_its_laser_at_the_left() {
     let Some(folder) = bags().map(|bags| bags.join("turtlebot4")) else { return };
-    let mut bag = loc_sim::source::ros::open(&folder).unwrap();
+    let mut bag = loc_ros::open(&folder).unwrap();
     let (messages, notes) = all(bag.as_mut());
     assert!(notes.is_empty(), "{notes:?}");
     let count = |topic: &str| messages.iter().filter(|m| m.0.topic == topic).count();
@@ -29,11 +26,10 @@ fn turtlebot4_has_all_its_messages_and_its_laser_at_the_left() {
         [count("/odom"), count("/tf"), count("/scan"), count("/tf_static")],
         [920, 953, 357, 2]
     );
-    let options = ReplayOptions { start: Start::At(Pose2::IDENTITY), ..ReplayOptions::default() };
-    let mut recording = RosRecording::open(&folder, &options, &RosOptions::default()).unwrap();
+    let recording = Recording::open(&folder, &RecordingOptions::default()).unwrap();
     let mut scans = 0;
-    while let Some(event) = recording.next_event().unwrap() {
-        if let Payload::Measurement(Measurement::Scan { mounting, scan }) = event.payload {
+    for moment in recording {
+        if let Some(Measurement::Scan { mounting, scan }) = moment.unwrap().measurement {
             scans += 1;
             assert_eq!(scan.ranges.len(), 720);
             assert!((mounting.theta - std::f64::consts::FRAC_PI_2).abs() < 0.01, "{mounting}");
@@ -48,7 +44,7 @@ fn ros1_bags_have_all_their_messages() {
     for (file, scans, all_messages) in
         [("pioneer/trace0.bag", 958, 4792), ("stage_sim/simpath2.bag", 634, 3804)]
     {
-        let mut bag = loc_sim::source::ros::open(&folder.join(file)).unwrap();
+        let mut bag = loc_ros::open(&folder.join(file)).unwrap();
         let (messages, notes) = all(bag.as_mut());
         assert!(notes.is_empty(), "{notes:?}");
         assert_eq!(messages.len(), all_messages);

@@ -2,9 +2,9 @@
 
 use super::all;
 use super::write::{bag1, chunk1, connection1, message1};
-use loc_sim::convert::transcribe;
-use loc_sim::source::ros::messages::{LaserScan, Message, definition};
-use loc_sim::source::ros::{Dialect, Encoding, McapReader, McapWriter, open};
+use loc_ros::messages::{LaserScan, Message, definition};
+use loc_ros::transcribe;
+use loc_ros::{Dialect, Encoding, McapReader, McapWriter, open};
 use std::path::Path;
 
 fn transcribed(bag: &Path) -> (Vec<super::Read>, u64, Vec<String>) {

@@ -1,8 +1,8 @@
 //! Checksums of MCAP files: of chunks, of the data, of the summary.
 
 use super::all;
-use loc_sim::source::ros::messages::*;
-use loc_sim::source::ros::{McapReader, McapWriter};
+use loc_ros::messages::*;
+use loc_ros::{McapReader, McapWriter};
 use std::io::Cursor;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Messages to bytes and back.
 
-use loc_sim::source::ros::messages::*;
-use loc_sim::source::ros::{Decoder, Dialect, Encoding};
+use loc_ros::messages::*;
+use loc_ros::{Decoder, Dialect, Encoding};
 
 /// Encodes in each dialect, decodes, and encodes again: the same bytes, NaN included. Then cuts
 /// the bytes anywhere and changes each: never a panic.

@@ -1,8 +1,8 @@
 //! Transforms between frames.
 
 use loc_core::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use loc_sim::source::ros::messages::Stamp;
-use loc_sim::source::ros::tf::{Moving, TransformBuffer};
+use loc_ros::messages::Stamp;
+use loc_ros::tf::{Moving, TransformBuffer};
 
 const SECOND: i64 = 1_000_000_000;
 

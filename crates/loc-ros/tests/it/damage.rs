@@ -3,8 +3,8 @@
 use super::database::{database, varint};
 use super::write::{self, MAGIC};
 use super::{Read, all};
-use loc_sim::Result;
-use loc_sim::source::ros::{Bag1, Database3, McapReader, MessageReader};
+use loc_ros::Result;
+use loc_ros::{Bag1, Database3, McapReader, MessageReader};
 use proptest::prelude::*;
 use std::io::Cursor;
 use std::path::Path;
@@ -155,7 +155,7 @@ fn damaged_chunks_and_unknown_channels_are_counted() {
 /// A file that becomes another with any byte: never a panic.
 #[test]
 fn database_with_any_byte_changed() {
-    let whole = super::foreign::bytes(super::foreign::DB3);
+    let whole = super::database::bytes(super::database::DB3);
     for place in (0..whole.len()).step_by(37) {
         let mut changed = whole.clone();
         changed[place] = changed[place].wrapping_add(0x5d);
@@ -249,13 +249,13 @@ fn empty_files_of_a_folder_are_passed_over() {
     let file = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
     file("bag_0.mcap", &ten("lz4"));
     file("bag_1.mcap", b"");
-    let (messages, notes) = all(&mut loc_sim::source::ros::Bag2::open(folder.path()).unwrap());
+    let (messages, notes) = all(&mut loc_ros::Bag2::open(folder.path()).unwrap());
     assert_eq!(messages.len(), 10);
     assert!(notes.contains(&"bag_1.mcap: is empty: passed over".into()), "{notes:?}");
     // Alone it is an error, and so is one that the metadata name and that is not there.
-    let error = loc_sim::source::ros::open(&folder.path().join("bag_1.mcap")).err().unwrap();
+    let error = loc_ros::open(&folder.path().join("bag_1.mcap")).err().unwrap();
     assert!(error.to_string().contains("an empty file"), "{error}");
     file("metadata.yaml", b"rosbag2_bagfile_information:\n  relative_file_paths: [bag_9.mcap]\n");
-    let error = drain(loc_sim::source::ros::Bag2::open(folder.path())).unwrap_err().to_string();
+    let error = drain(loc_ros::Bag2::open(folder.path())).unwrap_err().to_string();
     assert!(error.contains("bag_9.mcap"), "{error}");
 }
