@@ -4,8 +4,8 @@
 //! memory or too much time is the finding. Errors are welcome.
 
 use loc_sim::source::Source;
-use loc_sim::source::ros::messages::Message;
-use loc_sim::source::ros::{Dialect, Encoding, MessageReader, messages};
+use loc_ros::messages::Message;
+use loc_ros::{Dialect, Encoding, MessageReader, messages};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 

@@ -7,19 +7,20 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use loc_core::Pose2;
 use loc_maps::grid::io;
+use loc_ros::messages::{Header, LaserScan, Message, Stamp};
+use loc_ros::{Dialect, McapWriter, open};
 use loc_sim::localizer::Method;
 use loc_sim::runner;
 use loc_sim::scenario::{RecordingConfig, recording};
 use loc_sim::source::Source;
 use loc_sim::source::laser_log::{ReplayOptions, Start};
-use loc_sim::source::ros::messages::{Header, LaserScan, Message, Stamp};
-use loc_sim::source::ros::{Dialect, McapWriter, RosOptions, RosRecording, open};
+use loc_sim::source::ros::{RosOptions, RosRecording};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The tests' own way of writing bags.
-#[path = "../../crates/loc-sim/tests/it/ros/write.rs"]
+#[path = "../../crates/loc-ros/tests/it/write.rs"]
 mod write;
 
 /// Bytes of messages in each bag.

@@ -6,10 +6,12 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2, Twist2};
-use loc_filters::NonlinearFilter;
+use loc_filters::delayed::Sequential;
 use loc_filters::landmark::{
-    LandmarkEkf, LandmarkFilter, LandmarkSettings, LandmarkSmoother, LandmarkUkf,
+    LandmarkEkf, LandmarkFilter, LandmarkLocalizer, LandmarkSettings, LandmarkUkf,
 };
+use loc_filters::smoother::{Recorded, Smoothable};
+use loc_filters::{ExtendedKalmanFilter, Localizer, NonlinearFilter};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
@@ -94,14 +96,17 @@ fn step(c: &mut Criterion) {
     group.bench_function("1000 steps and their smoothing", |bencher| {
         bencher.iter(|| {
             let shared = map.clone();
-            let mut drive = LandmarkSmoother::new(shared, settings, 0.0, start).expect("valid");
+            let mut drive = LandmarkLocalizer::<Recorded<ExtendedKalmanFilter<3>, 3>>::with_filter(
+                shared, settings, 0.0, start,
+            )
+            .expect("valid");
             for k in 1..=STEPS {
                 let stamp = DT * f64::from(k);
                 drive.velocity(stamp, black_box(TWIST)).expect("in order");
                 drive.observations(stamp, black_box(&observations)).expect("in order");
                 drive.mark(stamp).expect("in order");
             }
-            drive.smooth().expect("finite")
+            drive.smoothed().expect("finite")
         });
     });
     group.throughput(Throughput::Elements(1));

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use loc_sim::source::ros::Bag1;
+use loc_ros::Bag1;
 use std::io::Cursor;
 use std::path::Path;
 

@@ -2,6 +2,6 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use loc_sim::source::ros::Encoding;
+use loc_ros::Encoding;
 
 fuzz_target!(|data: &[u8]| loc_fuzz::message(data, &Encoding::Cdr));

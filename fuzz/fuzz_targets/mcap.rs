@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use loc_sim::source::ros::McapReader;
+use loc_ros::McapReader;
 use std::io::Cursor;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use loc_sim::source::ros::{Bag2, Database3};
+use loc_ros::{Bag2, Database3};
 use std::io::Cursor;
 use std::path::Path;
 

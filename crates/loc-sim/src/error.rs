@@ -18,6 +18,9 @@ pub enum Error {
     /// An error of a particle filter.
     #[error(transparent)]
     ParticleFilter(#[from] loc_pf::Error),
+    /// What a bag of ROS reports.
+    #[error(transparent)]
+    Ros(#[from] loc_ros::Error),
     /// A recording whose parts do not fit together.
     #[error("{}: expected {expected}, got {found}", path.display())]
     Recording {
@@ -27,28 +30,6 @@ pub enum Error {
         expected: String,
         /// What was found instead.
         found: String,
-    },
-    /// A message whose bytes do not match its type.
-    #[error("{what}: expected {expected}, got {found}")]
-    Malformed {
-        /// The field.
-        what: String,
-        /// What was expected.
-        expected: String,
-        /// What was found instead.
-        found: String,
-    },
-    /// A missing transform between two frames.
-    #[error("no transform {target} <- {source_frame} at {stamp} s: {reason}")]
-    NoTransform {
-        /// The frame to be transformed into.
-        target: String,
-        /// The frame to be transformed from.
-        source_frame: String,
-        /// The time \[s\].
-        stamp: f64,
-        /// Which frames or times are known.
-        reason: String,
     },
     /// An invalid scenario or configuration.
     #[error("{file}: {message}")]

@@ -3,17 +3,17 @@
 use super::console::Progress;
 use super::replay::{Format, RosArgs, guess, open_landmarks};
 use super::{Global, console};
-use crate::convert::{Converted, Track, to_carmen, to_mcap, to_tum, transcribe};
+use crate::convert::{Converted, Track, to_carmen, to_mcap, to_tum};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{LaserLog, ReplayOptions, Start};
 use crate::source::ranging::{RangeRecording, RangingStart};
-use crate::source::ros::McapWriter;
 use crate::source::wean::WeanLog;
 use crate::source::{LaserRecording, Mrclam, RosRecording, Source, ros};
 use crate::{Error, Result};
 use anyhow::bail;
 use loc_core::file::write_beside;
 use loc_filters::slam::Identities;
+use loc_ros::{McapWriter, transcribe};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -77,7 +77,9 @@ pub fn convert(args: &ConvertArgs, global: &Global) -> anyhow::Result<()> {
     let mut update = |share| progress.update(share);
     let mut write = |part: &Path| match (args.to, format) {
         (Target::Mcap, Format::Ros) => {
-            transcribe(ros::open(log)?.as_mut(), McapWriter::create(part)?, &mut update)
+            let mut bag = loc_ros::open(log)?;
+            let writer = McapWriter::create(part)?;
+            Ok(transcribe(bag.as_mut(), writer, &mut update)?.into())
         }
         (Target::Mcap, _) => to_mcap(open(args, format)?.as_mut(), part, &mut update),
         (Target::Carmen, _) => {

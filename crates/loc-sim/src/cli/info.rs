@@ -6,10 +6,10 @@ use super::replay::{Format, guess, open_landmarks};
 use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::LaserLog;
 use crate::source::ranging::{RangeRecording, RangingStart};
-use crate::source::ros::Survey;
 use crate::source::wean::WeanLog;
 use crate::source::{Mrclam, Source, ros};
 use loc_filters::slam::Identities;
+use loc_ros::Survey;
 use loc_sensors::event::{Control, Measurement, Payload};
 use std::path::{Path, PathBuf};
 
@@ -121,11 +121,11 @@ fn table(info: &Info) -> String {
 type Found = (Vec<Row>, Vec<String>);
 
 fn bag(log: &Path, global: &Global) -> anyhow::Result<Found> {
-    let mut bag = ros::open(log)?;
+    let mut bag = loc_ros::open(log)?;
     let mut progress = Progress::new("info", global);
     let survey = Survey::of(bag.as_mut(), &mut |_, _| {}, &mut |share| progress.update(share))?;
     progress.finish();
-    let row = |topic: ros::Topic| Row {
+    let row = |topic: loc_ros::Topic| Row {
         rate_hz: topic.rate(),
         topic: topic.channel.topic,
         kind: topic.channel.type_name,

@@ -5,7 +5,7 @@
 //! | [`to_tum`] | any recording | one track: the reference, or else the odometry |
 //! | [`to_carmen`] | any recording | odometry, scans of lasers, true poses |
 //! | [`to_mcap`] | any recording | odometry, scans, true poses, as messages of ROS 2 |
-//! | [`transcribe`] | a bag | its own messages under their own topics, as an MCAP file of ROS 2 |
+//! | [`loc_ros::transcribe`] | a bag | its own messages under their own topics, as an MCAP file of ROS 2 |
 //!
 //! A conversion reads the recording as a stream, and reports in [`Converted`] what it wrote and
 //! what it left out.
@@ -25,10 +25,8 @@
 //! ```
 
 mod mcap;
-mod transcribe;
 
 pub use mcap::to_mcap;
-pub use transcribe::transcribe;
 
 use crate::source::OdometryIntegrator;
 use crate::source::Source;
@@ -47,6 +45,12 @@ pub struct Converted {
     pub written: u64,
     /// What the target cannot represent, as counted lines for the user.
     pub left_out: Vec<String>,
+}
+
+impl From<loc_ros::Transcribed> for Converted {
+    fn from(transcribed: loc_ros::Transcribed) -> Self {
+        Converted { written: transcribed.written, left_out: transcribed.left_out }
+    }
 }
 
 /// Passes every event of a recording to `take`, and the share of its time to `progress`.

@@ -8,14 +8,15 @@ use crate::Result;
 use crate::runner::Observer;
 use crate::source::OdometryIntegrator;
 use crate::source::Setup;
-use crate::source::ros::McapWriter;
-use crate::source::ros::messages::{
+use loc_core::{Pose2, Twist2};
+use loc_core::{Pose2, Twist2};
+use loc_filters::localizer::{Estimate, Localizer};
+use loc_ros::McapWriter;
+use loc_ros::messages::{
     Covariant, DiagnosticArray, DiagnosticStatus, Header, LaserScan, OccupancyGrid, Odometry,
     ParticleCloud, Path, PointCloud2, Pose, PoseArray, PoseStamped, PoseWithCovarianceStamped,
     Stamp, TfMessage, TransformStamped,
 };
-use loc_core::{Pose2, Twist2};
-use loc_filters::localizer::{Estimate, Localizer};
 use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sensors::laser;
 
@@ -58,14 +59,14 @@ impl McapRecorder {
     /// [`loc_core::Error::Io`].
     pub fn finish(mut self) -> Result<u64> {
         self.write_truth()?;
-        self.writer.finish()
+        Ok(self.writer.finish()?)
     }
 
     fn write_truth(&mut self) -> Result<()> {
         let Some(last) = self.truth.poses.last() else { return Ok(()) };
         self.truth.header.stamp = last.header.stamp;
         self.written = self.truth.poses.len();
-        self.writer.write("/ground_truth", last.header.stamp.0, &self.truth)
+        Ok(self.writer.write("/ground_truth", last.header.stamp.0, &self.truth)?)
     }
 
     fn transform(&mut self, topic: &str, at: Stamp, frames: [&str; 2], pose: Pose2) -> Result<()> {
@@ -75,7 +76,7 @@ impl McapRecorder {
             child_frame_id: child.into(),
             transform: pose.into(),
         };
-        self.writer.write(topic, at.0, &TfMessage { transforms: vec![transform] })
+        Ok(self.writer.write(topic, at.0, &TfMessage { transforms: vec![transform] })?)
     }
 
     fn odometry(&mut self, at: Stamp, pose: Pose2, twist: Option<Twist2>) -> Result<()> {
@@ -104,10 +105,10 @@ impl McapRecorder {
             self.mounting = Some(mounting);
             self.transform("/tf_static", at, [BASE, LASER], mounting)?;
         }
-        self.writer.write("/scan", at.0, &message_of(at, scan))?;
+        self.writer.write("/scan", at.0, &LaserScan::of(Header::new(at, LASER), scan))?;
         let points = scan.points(Pose2::IDENTITY).map(|p| [p.x as f32, p.y as f32, 0.0]);
         let cloud = PointCloud2::of(Header::new(at, LASER), &points.collect::<Vec<_>>());
-        self.writer.write("/scan_points", at.0, &cloud)
+        Ok(self.writer.write("/scan_points", at.0, &cloud)?)
     }
 
     fn primary(&mut self, at: Stamp, name: &str, estimate: &Estimate) -> Result<()> {
@@ -128,7 +129,7 @@ impl McapRecorder {
             ..DiagnosticStatus::default()
         };
         let message = DiagnosticArray { header: Header::new(at, ""), status: vec![status] };
-        self.writer.write("/diagnostics", at.0, &message)
+        Ok(self.writer.write("/diagnostics", at.0, &message)?)
     }
 
     fn particles(&mut self, at: Stamp, particles: &[(Pose2, f64)]) -> Result<()> {
@@ -138,7 +139,7 @@ impl McapRecorder {
         let poses = particles.iter().map(|(pose, _)| *pose).collect();
         let array = PoseArray { header: header.clone(), poses };
         self.writer.write("/particle_cloud", at.0, &ParticleCloud { header, particles })?;
-        self.writer.write("/particle_poses", at.0, &array)
+        Ok(self.writer.write("/particle_poses", at.0, &array)?)
     }
 }
 
@@ -209,20 +210,4 @@ impl Observer for McapRecorder {
 fn pose_message(at: Stamp, estimate: &Estimate) -> PoseWithCovarianceStamped {
     let pose = Covariant::planar(estimate.pose, estimate.covariance);
     PoseWithCovarianceStamped { header: Header::new(at, MAP), pose }
-}
-
-fn message_of(at: Stamp, scan: &laser::LaserScan) -> LaserScan {
-    let numbers = |values: &[f64]| values.iter().map(|value| *value as f32).collect();
-    LaserScan {
-        header: Header::new(at, LASER),
-        angle_min: scan.angle_min as f32,
-        angle_max: scan.angle_max as f32,
-        angle_increment: scan.angle_increment as f32,
-        time_increment: scan.time_increment as f32,
-        scan_time: scan.scan_time as f32,
-        range_min: scan.range_min as f32,
-        range_max: scan.range_max as f32,
-        ranges: numbers(&scan.ranges),
-        intensities: numbers(&scan.intensities),
-    }
 }

@@ -15,7 +15,7 @@ use crate::scenario::recording;
 use crate::source::landmarks::{kf_slam_demo, victoria_park};
 use crate::source::laser_log::Scans;
 use crate::source::ranging::{labyrinth, plaza};
-use crate::source::{Source, landmarks, mrclam, ros, text};
+use crate::source::{Source, landmarks, mrclam, text};
 use crate::{Error, Result, runner};
 use anyhow::bail;
 use std::io::{BufRead, Read};
@@ -239,7 +239,7 @@ pub(in crate::cli) fn guess(log: &Path) -> Result<Format> {
     if kf_slam_demo::is_kf_slam_demo(log) {
         return Ok(Format::KfSlamDemo);
     }
-    if ros::is_bag(log)? {
+    if loc_ros::is_bag(log)? {
         return Ok(Format::Ros);
     }
     if log.is_dir() {

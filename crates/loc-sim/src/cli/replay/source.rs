@@ -8,7 +8,7 @@ use crate::source::carmen::CarmenLog;
 use crate::source::landmarks::Trees;
 use crate::source::laser_log::{Reference, ReplayOptions, Scans, Start};
 use crate::source::ranging::{RangeRecording, RangingStart};
-use crate::source::ros::{OdometryDelay, RosNames, RosOptions, laser_log};
+use crate::source::ros::{OdometryDelay, RosOptions, laser_log};
 use crate::source::wean::WeanLog;
 use crate::source::{Calibrated, LandmarkRecording, LaserRecording, Mrclam, RosRecording, Source};
 use crate::{Result, config};
@@ -19,6 +19,7 @@ use loc_core::motion::VelocityNoise;
 use loc_filters::slam::Identities;
 use loc_maps::LineMap;
 use loc_maps::grid::io;
+use loc_ros::{RecordingOptions, RosNames};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -56,8 +57,8 @@ fn laser_source(
 ) -> anyhow::Result<(Box<dyn Source>, bool)> {
     let log = match format {
         Format::Ros => {
-            let ros = args.ros.options(args.seed.unwrap_or(settings.seed))?;
-            let ros = RosOptions { names, ..ros };
+            let mut ros = args.ros.options(args.seed.unwrap_or(settings.seed))?;
+            ros.recording.names = names;
             // A bag is read as a stream, unless kidnapping or a reference need it as a whole.
             if options.kidnap.is_none() && options.reference.is_none() {
                 let source = RosRecording::open(log, options, &ros)?;
@@ -302,10 +303,9 @@ impl RosArgs {
     /// The library's form.
     pub(in crate::cli) fn options(&self, seed: u64) -> Result<RosOptions> {
         let pose = |text: &String| parse_pose("--laser-mounting", text);
-        let known =
-            |delay| Ok::<_, crate::Error>(OdometryDelay::Known(finite("--odom-delay [s]", delay)?));
+        let known = self.odom_delay.map(|delay| finite("--odom-delay [s]", delay)).transpose()?;
         let noise = |text: &String| Ok::<_, crate::Error>((parse_noise(text)?, seed));
-        Ok(RosOptions {
+        let recording = RecordingOptions {
             scan_topic: self.scan_topic.clone(),
             odom_topic: self.odom_topic.clone(),
             reference_topic: self.reference_topic.clone(),
@@ -313,20 +313,18 @@ impl RosArgs {
             imu_topic: self.imu_topic.clone(),
             fix_topic: self.fix_topic.clone(),
             mounting: self.laser_mounting.as_ref().map(pose).transpose()?,
-            odometry_delay: self.odom_delay.map_or(Ok(OdometryDelay::Estimated), known)?,
+            odometry_delay: known.unwrap_or(0.0),
             odometry_noise: self.odom_noise.as_ref().map(noise).transpose()?,
-        })
+        };
+        let delay = if known.is_some() { OdometryDelay::Known } else { OdometryDelay::Estimated };
+        Ok(RosOptions { recording, odometry_delay: delay })
     }
 
     /// The library's form, without an estimated delay of the odometry: stamps stay as they are
     /// unless a delay is given.
     pub(in crate::cli) fn with_original_stamps(&self, seed: u64) -> Result<RosOptions> {
         let options = self.options(seed)?;
-        let delay = match options.odometry_delay {
-            OdometryDelay::Estimated => OdometryDelay::default(),
-            known => known,
-        };
-        Ok(RosOptions { odometry_delay: delay, ..options })
+        Ok(RosOptions { odometry_delay: OdometryDelay::Known, ..options })
     }
 
     /// Refuses options of bags for every other format.

@@ -4,6 +4,7 @@
 use loc_core::Pose2;
 use loc_core::motion::VelocityNoise;
 use loc_maps::grid::io;
+use loc_ros::RecordingOptions;
 use loc_sim::localizer::{Method, MethodSettings};
 use loc_sim::metrics::{Alignment, MethodSummary, Summary};
 use loc_sim::runner;
@@ -31,8 +32,10 @@ fn replayed(bag: &str, map: &str, start: Start, seed: u64, noise: bool) -> Optio
     let drift = VelocityNoise::from_sigmas(0.05, 3_f64.to_radians(), 1_f64.to_radians()).unwrap();
     let ros = RosOptions {
         odometry_delay: OdometryDelay::Estimated,
-        odometry_noise: noise.then_some((drift, seed)),
-        ..RosOptions::default()
+        recording: RecordingOptions {
+            odometry_noise: noise.then_some((drift, seed)),
+            ..RecordingOptions::default()
+        },
     };
     let mut source = RosRecording::open(&bags.join(bag), &options, &ros).unwrap();
     let settings = MethodSettings { seed, global, ..MethodSettings::default() };

@@ -1,7 +1,7 @@
 //! `info` of every format, and the MCAP files that `run` and `replay` write.
 
 use super::formats::{bags, drive};
-use loc_sim::source::ros::McapReader;
+use loc_ros::McapReader;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -3,11 +3,12 @@
 use super::database::database;
 use super::write::{self, bag1, chunk1, connection1, message1};
 use loc_core::Pose2;
+use loc_ros::Dialect;
+use loc_ros::messages::*;
 use loc_sensors::event::{Event, Measurement, Payload};
 use loc_sim::source::Source;
 use loc_sim::source::laser_log::{ReplayOptions, Start};
-use loc_sim::source::ros::messages::*;
-use loc_sim::source::ros::{Dialect, RosOptions, RosRecording};
+use loc_sim::source::ros::{RosOptions, RosRecording};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 

@@ -5,11 +5,12 @@ use loc_core::random::stream;
 use loc_maps::grid::io::{self, ImageFormat, Mode};
 use loc_maps::worlds::{self, WorldSettings};
 use loc_maps::{OccupancyGrid, RayCaster};
+use loc_ros::messages::*;
+use loc_ros::{McapWriter, RecordingOptions};
 use loc_sensors::laser::{LaserScanner, LaserSpec};
 use loc_sim::source::Source;
 use loc_sim::source::laser_log::{ReplayOptions, Start};
-use loc_sim::source::ros::messages::*;
-use loc_sim::source::ros::{McapWriter, OdometryDelay, RosOptions, RosRecording};
+use loc_sim::source::ros::{OdometryDelay, RosOptions, RosRecording};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -85,8 +86,12 @@ fn the_delay_of_a_bag_is_found_told_and_can_be_set() {
     let mut seen = Vec::new();
     for late in [0.0, 0.12] {
         let path = bag(folder.path(), late);
-        for odometry_delay in [OdometryDelay::Estimated, OdometryDelay::Known(-0.2)] {
-            let ros = RosOptions { odometry_delay, ..RosOptions::default() };
+        let estimated = OdometryDelay::Estimated;
+        let known = RecordingOptions { odometry_delay: -0.2, ..RecordingOptions::default() };
+        for ros in [
+            RosOptions { odometry_delay: estimated, ..RosOptions::default() },
+            RosOptions::from(known),
+        ] {
             let mut recording = RosRecording::open(&path, &options, &ros).unwrap();
             let first = recording.next_event().unwrap().unwrap();
             assert!(first.stamp >= 1000.0);

@@ -2,11 +2,11 @@
 
 use super::all;
 use loc_core::Pose2;
+use loc_ros::McapReader;
+use loc_ros::messages::*;
 use loc_sim::localizer::Method;
 use loc_sim::output::mcap::McapRecorder;
 use loc_sim::scenario::Scenario;
-use loc_sim::source::ros::McapReader;
-use loc_sim::source::ros::messages::*;
 use std::collections::BTreeMap;
 
 /// map -> odom -> base_link is the estimate, and the topics are those that viewers look for.

@@ -1,8 +1,8 @@
 //! How much memory a bag takes: a chunk and an index, whatever its length.
 
 use super::write::{bag1, channel, chunk, chunk1, connection1, message, message1, record};
-use loc_sim::source::ros::messages::{Header, LaserScan, Message, Stamp};
-use loc_sim::source::ros::{Dialect, Encoding};
+use loc_ros::messages::{Header, LaserScan, Message, Stamp};
+use loc_ros::{Dialect, Encoding};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;

@@ -1,13 +1,11 @@
-//! Bags of ROS: what others wrote, what is damaged, and how messages become events.
+//! Bags of ROS as recordings: how messages become events, and what the command does with them.
 
 mod accuracy;
-mod checksums;
 #[cfg(feature = "cli")]
 mod command;
-mod damage;
+#[path = "../../../../loc-ros/tests/it/database.rs"]
 pub(crate) mod database;
-pub(crate) mod foreign;
-mod formats;
+pub(crate) mod formats;
 #[cfg(feature = "cli")]
 mod late;
 mod mcap_output;
@@ -15,15 +13,12 @@ mod mcap_output;
 mod memory;
 #[cfg(feature = "cli")]
 mod python;
-mod real;
 mod recording;
 mod sensors;
-mod serialization;
-mod tf;
-mod transcribe;
+#[path = "../../../../loc-ros/tests/it/write.rs"]
 pub(crate) mod write;
 
-use loc_sim::source::ros::{Channel, MessageReader};
+use loc_ros::{Channel, MessageReader};
 
 /// A message with its channel.
 pub(crate) type Read = (Channel, i64, Vec<u8>);

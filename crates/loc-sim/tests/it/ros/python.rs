@@ -2,7 +2,7 @@
 //! rosbags, where Python has these packages. `LOC_PYTHON` names another interpreter than `python3`.
 
 use super::formats::{at, bags, odometry, place, stored};
-use loc_sim::source::ros::messages::*;
+use loc_ros::messages::*;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::Command;

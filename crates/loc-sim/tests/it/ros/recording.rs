@@ -1,11 +1,12 @@
 //! Messages of a bag joined to a stream of events.
 
 use loc_core::Pose2;
+use loc_ros::messages::*;
+use loc_ros::{McapWriter, RecordingOptions};
 use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sim::source::Source;
 use loc_sim::source::laser_log::{ReplayOptions, Start};
-use loc_sim::source::ros::messages::*;
-use loc_sim::source::ros::{McapWriter, RosOptions, RosRecording};
+use loc_sim::source::ros::{RosOptions, RosRecording};
 use std::path::PathBuf;
 
 /// Tenths of a second to nanoseconds.
@@ -152,10 +153,10 @@ fn what_is_missing_is_said() {
     };
     let several = error(&full, &none);
     assert!(several.contains("--scan-topic") && several.contains("/scan, /rear"), "{several}");
-    let chosen = RosOptions { scan_topic: Some("rear".into()), ..RosOptions::default() };
+    let chosen = scan_topic("rear");
     let no_frame = error(&full, &chosen);
     assert!(no_frame.contains("no transform base <- laser"), "{no_frame}");
-    let wrong = RosOptions { scan_topic: Some("/odom".into()), ..RosOptions::default() };
+    let wrong = scan_topic("/odom");
     assert!(error(&full, &wrong).contains("nav_msgs/msg/Odometry"));
     let tilted = Pose { position: [0.0; 3], orientation: [0.0, 0.7, 0.0, 0.7] };
     let frames = |bag: &mut Bag| {
@@ -175,8 +176,13 @@ fn stamps_of_zero_and_odometry_of_tf() {
     };
     bag.put("/tf", &moving(-1, 0.0)).put("/tf", &moving(1, 2.0)).put("/scan", &scan(Stamp(0), 1.0));
     let mounting = Some(Pose2::new(0.5, 0.0, 0.0));
-    let (events, notes) = bag.events(&RosOptions { mounting, ..RosOptions::default() }).unwrap();
+    let (events, notes) =
+        bag.events(&RecordingOptions { mounting, ..RecordingOptions::default() }.into()).unwrap();
     let Payload::Control(Control::Odometry(pose)) = events[0].payload else { panic!("odometry") };
     assert!((pose.x - 1.0).abs() < 1e-9);
     assert!(notes.iter().any(|note| note.starts_with("1 messages with stamp 0")), "{notes:?}");
+}
+
+fn scan_topic(topic: &str) -> RosOptions {
+    RecordingOptions { scan_topic: Some(topic.into()), ..RecordingOptions::default() }.into()
 }

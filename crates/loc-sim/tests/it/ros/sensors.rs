@@ -1,6 +1,8 @@
 //! Sensors beside the laser: clouds of points, inertial units, satellite receivers.
 
 use loc_core::Pose2;
+use loc_ros::messages::*;
+use loc_ros::{McapWriter, RecordingOptions};
 use loc_sensors::event::{Event, Measurement, Payload};
 use loc_sim::localizer::Method;
 use loc_sim::metrics::{Alignment, Summary};
@@ -8,8 +10,7 @@ use loc_sim::runner;
 use loc_sim::scenario::{RecordingConfig, recording};
 use loc_sim::source::Source;
 use loc_sim::source::laser_log::{ReplayOptions, Start};
-use loc_sim::source::ros::messages::*;
-use loc_sim::source::ros::{McapWriter, RosOptions, RosRecording};
+use loc_sim::source::ros::{RosOptions, RosRecording};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -223,10 +224,13 @@ fn sensors_can_be_left_out_and_chosen() {
         let (events, notes) = fill().events(ros);
         (measurements(&events).len(), notes)
     };
-    let with = |imu: Option<&str>, fix: Option<&str>| RosOptions {
-        imu_topic: imu.map(str::to_owned),
-        fix_topic: fix.map(str::to_owned),
-        ..RosOptions::default()
+    let with = |imu: Option<&str>, fix: Option<&str>| -> RosOptions {
+        RecordingOptions {
+            imu_topic: imu.map(str::to_owned),
+            fix_topic: fix.map(str::to_owned),
+            ..RecordingOptions::default()
+        }
+        .into()
     };
     assert_eq!(number(&with(Some("none"), Some("none"))).0, 1);
     assert_eq!(number(&with(Some("/imu"), None)).0, 3);

@@ -1,13 +1,14 @@
 //! Bags, whole and with the parts of which they are made.
 
 use super::Corpus;
-use crate::ros::foreign::{DB3, WAL_DB3, WAL_LOG, bytes};
+use crate::ros::database::{DB3, WAL_DB3, WAL_LOG, bytes};
 use crate::ros::write;
 use loc_core::Pose2;
+use loc_ros::messages::*;
+use loc_ros::{Bag1, Bag2, McapReader, McapWriter};
 use loc_sim::source::Source;
 use loc_sim::source::laser_log::{ReplayOptions, Start};
-use loc_sim::source::ros::messages::*;
-use loc_sim::source::ros::{Bag1, Bag2, McapReader, McapWriter, RosOptions, RosRecording};
+use loc_sim::source::ros::{RosOptions, RosRecording};
 
 #[test]
 fn bags_of_ros_1() {

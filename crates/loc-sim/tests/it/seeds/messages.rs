@@ -1,8 +1,8 @@
 //! A message of every type, in every way of writing it.
 
 use super::Corpus;
-use loc_sim::source::ros::messages::*;
-use loc_sim::source::ros::{Dialect, Encoding};
+use loc_ros::messages::*;
+use loc_ros::{Dialect, Encoding};
 
 /// Writes a message behind the number of its type among the fuzz targets'.
 fn put<M: Message>(kind: u8, message: &M) {
