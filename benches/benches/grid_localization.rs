@@ -175,7 +175,7 @@ fn grid_localization(c: &mut Criterion) {
         };
         let mut check = localizer.clone();
         println!("{name}: {:?}", update(&mut check));
-        let found = check.estimate().pose();
+        let found = check.belief().pose();
         assert!(found.distance(truth) < 0.2, "{name}: {found:?} instead of {truth:?}");
         group.bench_function(name, |bencher| {
             let fresh = || localizer.clone();

@@ -8,7 +8,7 @@ use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::{LaserLog, ReplayOptions, Start};
 use crate::source::ranging::{RangeRecording, RangingStart};
 use crate::source::wean::WeanLog;
-use crate::source::{LaserRecording, Mrclam, RosRecording, Source, ros};
+use crate::source::{LaserRecording, Mrclam, RosRecording, Source};
 use crate::{Error, Result};
 use anyhow::bail;
 use loc_core::file::write_beside;

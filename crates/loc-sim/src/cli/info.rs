@@ -7,7 +7,7 @@ use crate::source::carmen::CarmenLog;
 use crate::source::laser_log::LaserLog;
 use crate::source::ranging::{RangeRecording, RangingStart};
 use crate::source::wean::WeanLog;
-use crate::source::{Mrclam, Source, ros};
+use crate::source::{Mrclam, Source};
 use loc_filters::slam::Identities;
 use loc_ros::Survey;
 use loc_sensors::event::{Control, Measurement, Payload};

@@ -9,8 +9,8 @@ use loc_pf::MclSettings;
 use loc_pf::adaptive::{KldCertainty, KldSettings};
 use loc_pf::mcl::{FieldSettings, MotionSettings, SensorSettings, Weighting};
 use loc_pf::motion::OmnidirectionalNoise;
-use loc_pf::policy::ResampleWhen;
 use loc_pf::recovery::AugmentedSettings;
+use loc_pf::resample::ResampleWhen;
 use loc_pf::sensor::{BeamModelSettings, BeamSkip};
 use loc_ros::{Found, NodeParameters};
 

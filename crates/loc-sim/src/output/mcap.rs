@@ -9,7 +9,6 @@ use crate::runner::Observer;
 use crate::source::OdometryIntegrator;
 use crate::source::Setup;
 use loc_core::{Pose2, Twist2};
-use loc_core::{Pose2, Twist2};
 use loc_filters::localizer::{Estimate, Localizer};
 use loc_ros::McapWriter;
 use loc_ros::messages::{

@@ -79,7 +79,7 @@ impl RosRecording {
         let (mut seen_scan, mut seen_truth) = (false, !has_truth);
         while !(seen_scan && seen_truth) && ahead.len() < LOOK_AHEAD {
             let Some(moment) = recording.next_moment()? else { break };
-            for entry in entry(moment) {
+            if let Some(entry) = entry(moment) {
                 let entry = selected(entry, options.scans, &mut number_of_scans);
                 seen_scan |= entry.has_scan();
                 seen_truth |= entry.truth().is_some();

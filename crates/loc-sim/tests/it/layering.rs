@@ -47,3 +47,23 @@ fn crates_depend_strictly_downward() {
     }
     assert!(seen >= 7);
 }
+
+/// No dependency may need a newer Rust than the workspace promises (`rust-version`).
+#[test]
+fn dependencies_keep_the_minimum_rust_version() {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--locked", "--format-version", "1"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let version = |text: &str| -> Vec<u32> {
+        text.split('.').map(|part| part.parse().unwrap_or(0)).take(2).collect()
+    };
+    let promised = version(env!("CARGO_PKG_RUST_VERSION"));
+    for package in metadata["packages"].as_array().unwrap() {
+        let Some(needed) = package["rust_version"].as_str() else { continue };
+        let name = &package["name"];
+        assert!(version(needed) <= promised, "{name} needs Rust {needed}");
+    }
+}
