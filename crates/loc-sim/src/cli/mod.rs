@@ -4,6 +4,7 @@ mod console;
 pub mod convert;
 pub mod eval;
 pub mod fit_beam;
+mod generate;
 pub mod info;
 pub mod map;
 pub mod replay;
@@ -53,6 +54,8 @@ enum Command {
     Sense(sense::SenseArgs),
     FitBeam(fit_beam::FitBeamArgs),
     Study(study::StudyArgs),
+    Completions(generate::CompletionsArgs),
+    Man(generate::ManArgs),
 }
 
 impl Cli {
@@ -77,6 +80,8 @@ impl Cli {
             Some(Command::Sense(args)) => sense::sense(args, &self.global),
             Some(Command::FitBeam(args)) => fit_beam::fit_beam(args, &self.global),
             Some(Command::Study(args)) => study::study(args, &self.global),
+            Some(Command::Completions(args)) => generate::completions(args),
+            Some(Command::Man(_)) => generate::man(),
         }
     }
 }

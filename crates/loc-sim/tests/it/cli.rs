@@ -262,3 +262,16 @@ fn conversions_are_whole_or_not_at_all() {
     let text = fs::read_to_string(path.join("a.tum")).unwrap();
     assert!(text.lines().any(|line| line.starts_with("10")), "{text}");
 }
+
+#[test]
+fn completions_and_the_manual_name_every_subcommand() {
+    let folder = TempDir::new().unwrap();
+    for arguments in [["completions", "bash"].as_slice(), &["completions", "fish"], &["man"]] {
+        let text = stdout(&loc_sim(folder.path(), arguments));
+        for name in ["run", "replay", "study", "eval"] {
+            assert!(text.contains(name), "{arguments:?}: {name}");
+        }
+    }
+    let (code, error) = failure(folder.path(), &["completions", "csh"]);
+    assert!(code == 2 && error.contains("bash"), "{error}");
+}
