@@ -4,7 +4,7 @@ mod console;
 pub mod convert;
 pub mod eval;
 pub mod fit_beam;
-mod generate;
+pub mod generate;
 pub mod info;
 pub mod map;
 pub mod replay;
