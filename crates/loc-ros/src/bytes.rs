@@ -82,6 +82,21 @@ impl Input {
         Ok(into.len())
     }
 
+    /// Fills a slice, or its front where less is left; the answer says how much.
+    pub(crate) fn fill(&mut self, into: &mut [u8]) -> Result<usize> {
+        let mut count = 0;
+        while let Some(rest) = into.get_mut(count..).filter(|rest| !rest.is_empty()) {
+            match self.bytes.read(rest) {
+                Ok(0) => break,
+                Ok(read) => count += read,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(loc_core::Error::io(&self.path)(error).into()),
+            }
+        }
+        self.position += count as u64;
+        Ok(count)
+    }
+
     /// Reads a few bytes; `None` where the file ends before.
     pub(crate) fn fixed<const N: usize>(&mut self) -> Result<Option<[u8; N]>> {
         let mut bytes = [0; N];
@@ -169,10 +184,6 @@ impl<'a> Fields<'a> {
 
     pub(crate) fn u8(&mut self) -> Option<u8> {
         self.array::<1>().map(|[byte]| byte)
-    }
-
-    pub(crate) fn u16(&mut self) -> Option<u16> {
-        self.array().map(u16::from_le_bytes)
     }
 
     pub(crate) fn u32(&mut self) -> Option<u32> {

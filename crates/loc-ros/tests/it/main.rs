@@ -1,10 +1,10 @@
 //! Tests of `loc-ros` through its public face, one module per topic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp)]
 
-mod checksums;
 mod damage;
 mod database;
 mod foreign;
+mod mcap;
 mod real;
 mod serialization;
 mod tf;

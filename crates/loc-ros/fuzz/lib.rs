@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 const BETWEEN_FILES: u8 = 0;
 
 /// Reads a bag to its end, or to its first error.
-pub fn drain(bag: loc_sim::Result<impl MessageReader>) {
+pub fn drain(bag: loc_ros::Result<impl MessageReader>) {
     let Ok(mut bag) = bag else { return };
     while let Ok(Some(message)) = bag.next_message() {
         let channel = message.channel;
