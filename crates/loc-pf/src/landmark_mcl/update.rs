@@ -1,8 +1,7 @@
 //! One update of the filter: move to the time of the observations, weight by them, resample.
 
 use super::past::segments;
-use super::settings::RecoverySettings;
-use super::{LandmarkMcl, State};
+use super::{LandmarkMcl, RecoverySettings, State};
 use crate::estimate::moments;
 use crate::sensor::landmark::{LandmarkLikelihood, SensorResetting, Trust, anywhere};
 use crate::{Particles, Result};
