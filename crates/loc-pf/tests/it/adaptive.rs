@@ -53,7 +53,7 @@ fn the_probability_is_not_taken_for_a_quantile() {
 }
 
 #[test]
-fn peers_11_a_tight_cloud_shrinks_to_the_fewest() {
+fn peers_11_a_compact_particle_set_shrinks_to_the_minimum() {
     let mut kld = Kld::new(settings(50, 10_000)).unwrap();
     // One bin, and two: 3.3 lies 0.05 from the border at 3.25.
     assert_eq!(draw(&mut kld, Resampling::Systematic, &cloud([1e-3; 3], 10_000)).len(), 50);
@@ -123,7 +123,7 @@ fn bins_are_those_of_a_hash_set() {
 }
 
 #[test]
-fn a_cloud_across_the_seam_of_headings_is_one_cloud() {
+fn particles_across_the_seam_of_headings_are_one_set() {
     let mut kld = Kld::new(settings(10, 1000)).unwrap();
     let about = |heading: f64| {
         let poses = (0..100).map(|k| Pose2::new(0.0, 0.0, heading + 0.001 * (f64::from(k) - 49.5)));

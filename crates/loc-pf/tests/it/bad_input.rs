@@ -42,7 +42,7 @@ fn a_scan_of_nan_only_is_refused_and_changes_nothing() {
 }
 
 #[test]
-fn a_scan_without_returns_only_moves_the_cloud() {
+fn a_scan_without_returns_only_moves_the_particles() {
     let (mut robot, mut mcl) = start(2);
     update(&mut mcl, robot.odometry, &robot.scan()).unwrap();
     let before = mcl.belief().covariance[(0, 0)];

@@ -215,7 +215,7 @@ fn the_pose_is_that_of_the_heaviest_cluster_or_of_all() {
 }
 
 #[test]
-fn bad_clouds_give_nothing_and_never_nan() {
+fn bad_particles_give_nothing_and_never_nan() {
     let mut clusterer = Clusterer::new(ClusterSettings::default()).unwrap();
     assert!(clusterer.clusters(&Particles::new()).is_empty());
     let empty = clusterer.estimate(&Particles::new());

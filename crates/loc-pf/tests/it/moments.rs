@@ -52,7 +52,7 @@ fn headings_across_pi_are_close_together() {
 }
 
 #[test]
-fn any_cloud_by_the_definition() {
+fn any_particle_set_by_the_definition() {
     let mut rng = stream(3, "cloud");
     for count in [1, 2, 3, 4, 5, 7, 64, 1001] {
         for spread in [0.1, 1.0, 3.1] {

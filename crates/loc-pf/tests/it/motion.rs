@@ -92,7 +92,7 @@ fn without_noise_every_pose_moves_exactly() {
 }
 
 #[test]
-fn peers_16_a_robot_that_stands_still_keeps_its_cloud_to_the_bit() {
+fn peers_16_a_robot_that_stands_still_keeps_its_particles_to_the_bit() {
     let still = [
         DifferentialStep::between(Pose2::IDENTITY, Pose2::IDENTITY, &NOISE).unwrap().sigmas(),
         OmnidirectionalStep::between(Pose2::IDENTITY, Pose2::IDENTITY, &Default::default())

@@ -117,7 +117,7 @@ fn beams_that_end_nowhere_or_beyond_are_no_news() {
 }
 
 #[test]
-fn a_sample_stands_for_its_cloud() {
+fn a_sample_represents_its_particles() {
     let poses = (0..1000).map(|k| Pose2::new(k as f64, 0.0, 0.0));
     let mut cloud = Particles::from_poses(poses);
     let sample = BeliefSample::of(&cloud, 50);

@@ -280,7 +280,7 @@ fn point_10_several_lasers_anywhere_on_the_robot_in_every_model() {
 }
 
 #[test]
-fn point_11_a_tight_cloud_needs_the_fewest_particles() {
+fn point_11_a_compact_particle_set_needs_the_minimum_number() {
     let map = office(1);
     let mut robot = Robot::new(&map, Robot::laser(), 7);
     let particles =
@@ -414,7 +414,7 @@ fn point_15_fewer_beams_than_asked_for_another_map_and_starts_outside_are_no_cra
 
 /// Used by the tests of single rooms as well: a filter without particles does nothing.
 #[test]
-fn point_15_a_cloud_without_particles_is_no_crash() {
+fn point_15_an_empty_particle_set_is_no_crash() {
     let mut filter = ParticleFilter::new(Particles::new(), stream(1, "empty"));
     let _ = filter.normalize();
     filter.resample(Resampling::Systematic, 10);
