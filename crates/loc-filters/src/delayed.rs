@@ -276,6 +276,9 @@ impl<F: Sequential> Localizer for Delayed<F> {
     }
 }
 
+/// Stamps that are computed in different ways differ by so much \[s\].
+const ROUNDING: f64 = 1e-6;
+
 /// The time of a localizer that expects its inputs in order.
 ///
 /// ```
@@ -316,11 +319,11 @@ impl Clock {
     /// start belong to the start. `what` names the input in errors.
     ///
     /// # Errors
-    /// [`Error::TooLate`] for an input before the last one; [`loc_core::Error::OutOfRange`] for a
+    /// [`Error::TooLate`] for an input before the last one, rounding apart; [`loc_core::Error::OutOfRange`] for a
     /// stamp that is not finite.
     pub fn advance(&mut self, what: &'static str, stamp: f64) -> Result<f64> {
         let dt = loc_core::error::finite("stamp [s]", stamp)? - self.now;
-        if dt < 0.0 && self.now > self.start {
+        if dt < -ROUNDING && self.now > self.start {
             return Err(Error::TooLate { what, stamp, newest: self.now, horizon: 0.0 });
         }
         // Adding the difference keeps the rounding of the time that the filter has integrated.
