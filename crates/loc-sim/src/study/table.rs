@@ -23,7 +23,7 @@ pub fn table(results: &Results) -> String {
     if results.groups.iter().any(|group| group.consistency.nees_mean.is_some()) {
         lines.push(String::new());
         lines.push(
-            "consistency: 1 per degree of freedom is consistent, more is overconfident; 95 % in band".into(),
+            "consistency: 1 per degree of freedom, more is overconfident; 95 % in band".into(),
         );
         lines.extend(columns(results, &consistency()));
     }

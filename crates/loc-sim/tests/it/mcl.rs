@@ -1,6 +1,6 @@
 //! Monte Carlo localization: accuracy and consistency over many seeds, its scenarios, and its
 //! optional parts. The tests over many seeds take minutes each, so they are ignored:
-//! `cargo test --release -p loc-sim -- --ignored --nocapture mcl::`
+//! `cargo test --release -p loc-sim -- --ignored --nocapture 50_runs`
 
 use loc_core::random::stream;
 use loc_core::{Pose2, angle};
