@@ -301,8 +301,8 @@ impl Localizer for LinearSlamLocalizer {
     fn predict(&mut self, stamp: f64, control: &Control) -> Result<()> {
         let Control::Velocity(twist) = control else { return Ok(()) };
         loc_core::error::in_range(
-            "turn rate of a robot in linear SLAM [rad/s]",
-            "0: it never turns",
+            "turn rate in kf-slam [rad/s]",
+            "0, of a robot that never turns",
             twist.omega,
             |omega| omega.abs() <= 1e-9,
         )?;
