@@ -29,6 +29,9 @@ const HEAD: u64 = 9;
 /// The file is read in pieces of so many bytes, or of one record where that is longer.
 const PIECE: usize = 1 << 16;
 
+/// A record without messages that is longer than this is not read into memory \[bytes\].
+const MAX_UNUSED: usize = 1 << 20;
+
 /// An MCAP file, read from front to back.
 ///
 /// Chunks whose checksum is wrong are passed over; of a file that breaks off, the last chunk is
@@ -150,6 +153,9 @@ impl McapReader {
     fn next_of_file(&mut self) -> Result<Option<(usize, i64, Place)>> {
         let kind = match self.records.next_event() {
             Some(Ok(LinearReadEvent::ReadRequest(count))) => {
+                if count > MAX_UNUSED && self.skip_unused()? {
+                    return Ok(None);
+                }
                 // No more room than the file has bytes for, whatever a record claims.
                 let left = usize::try_from(self.input.left()).unwrap_or(usize::MAX);
                 let count = count.max(PIECE).min(left);
@@ -215,10 +221,8 @@ impl McapReader {
                     let expected = format!("a record of at most {MAX_BYTES} bytes");
                     return Err(self.input.error_at(at, expected, format!("{len} bytes")));
                 }
-                _ => match (self.position + HEAD).checked_add(*len) {
-                    Some(next) if next <= self.input.length() => self.restart(next)?,
-                    _ => self.breaks_off()?,
-                },
+                _ if self.skip_unused()? => {}
+                _ => self.breaks_off()?,
             },
             _ => {
                 if !self.data_ended {
@@ -229,6 +233,28 @@ impl McapReader {
             }
         }
         Ok(())
+    }
+
+    /// Jumps over the next record where it holds no messages (an attachment, as a rule) and the
+    /// file has all of it.
+    fn skip_unused(&mut self) -> Result<bool> {
+        let here = self.input.position();
+        self.input.seek(self.position)?;
+        let head = self.input.fixed::<{ HEAD as usize }>()?;
+        if let Some([kind, length @ ..]) = head {
+            let next = (self.position + HEAD).checked_add(u64::from_le_bytes(length));
+            let next = next.filter(|next| *next <= self.input.length());
+            let is_used = matches!(
+                kind,
+                op::CHUNK | op::SCHEMA | op::CHANNEL | op::MESSAGE | op::DATA_END | op::FOOTER
+            );
+            if let Some(next) = next.filter(|_| !is_used) {
+                self.restart(next)?;
+                return Ok(true);
+            }
+        }
+        self.input.seek(here)?;
+        Ok(false)
     }
 
     /// Goes on with the record at a place, without the checksum of the data.

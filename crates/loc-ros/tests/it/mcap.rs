@@ -306,6 +306,12 @@ fn a_record_that_claims_too_much_ends_the_file_or_is_an_error() {
         let bytes = Cursor::new([&bytes[..end], &head, &bytes[end..]].concat());
         McapReader::read(Path::new("a.mcap"), bytes).unwrap()
     };
+    // A long attachment is jumped over, and what follows it is read.
+    let attachment = record(9, &vec![7; 5 << 20]);
+    let long = [&bytes[..end], &attachment, &super::write::message(1, 9, b"last"), &bytes[end..]];
+    let long = Cursor::new(long.concat());
+    let (messages, notes) = all(&mut McapReader::read(Path::new("a.mcap"), long).unwrap());
+    assert!(messages.len() == 2 && messages[1].2 == b"last" && notes.is_empty(), "{notes:?}");
     let (messages, notes) = all(&mut with(9, 1 << 40));
     assert_eq!(messages.len(), 1);
     assert!(notes[0].contains("read up to there"), "{notes:?}");
