@@ -41,7 +41,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use update::Fit;
 
-/// Settings of [`LandmarkMcl`](LandmarkMcl), with defaults that serve a small indoor robot.
+/// Settings of [`LandmarkMcl`], with defaults that serve a small indoor robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
