@@ -314,8 +314,8 @@ impl EntropyFilter {
     }
 
     /// Which of the beams numbered `beams` to keep, including those without information. `rating`
-    /// is the logarithm of the likelihood of a beam, as [`by_field`](by_field) or
-    /// [`by_casting`](by_casting) give it.
+    /// is the logarithm of the likelihood of a beam, as [`by_field`] or
+    /// [`by_casting`] give it.
     ///
     /// # Errors
     /// Those of [`validate`](Self::validate).
