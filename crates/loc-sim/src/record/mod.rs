@@ -155,7 +155,7 @@ impl Run {
 /// let mut snapshots = Snapshots::new(Some(500.0));
 /// for k in 0..1000 {
 ///     let pose = Pose2::new(f64::from(k), 0.0, 0.0);
-///     snapshots.offer(f64::from(k), ParticleSet { particles: vec![(pose, 1.0)], weighed: None });
+///     snapshots.offer(f64::from(k), ParticleSet { particles: vec![(pose, 1.0)], weighted: None });
 /// }
 /// assert!(snapshots.len() <= Snapshots::MAX);
 /// let stamps: Vec<f64> = snapshots.iter().map(|snapshot| snapshot.stamp).collect();
