@@ -3,9 +3,9 @@
 //! A target hands bytes to a parser and lets go of what comes out; a panic, an overflow, too much
 //! memory or too much time is the finding. Errors are welcome.
 
-use loc_sim::source::Source;
 use loc_ros::messages::Message;
 use loc_ros::{Dialect, Encoding, MessageReader, messages};
+use loc_sim::source::Source;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 

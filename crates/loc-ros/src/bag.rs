@@ -95,8 +95,8 @@ impl Channel {
     /// Whether the messages are of a type, given as `sensor_msgs/msg/LaserScan`.
     pub fn is_of(&self, type_name: &str) -> bool {
         let mut own = self.type_name.split('/');
-        let mut asked = type_name.split('/');
-        own.next() == asked.next() && own.next_back() == asked.next_back()
+        let mut given = type_name.split('/');
+        own.next() == given.next() && own.next_back() == given.next_back()
     }
 }
 

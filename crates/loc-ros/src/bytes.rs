@@ -1,4 +1,4 @@
-//! Bytes of which nothing is believed: every length is held against what is left.
+//! Untrusted bytes: every length is checked against what is left.
 //!
 //! [`Input`] is a file, [`Fields`] a slice in memory.
 

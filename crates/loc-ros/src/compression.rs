@@ -35,7 +35,7 @@ impl Compression {
         }
     }
 
-    /// Unpacks bytes that announce `size` bytes of content; no more than that is held.
+    /// Unpacks bytes that announce `size` bytes of content; no more than that is kept.
     pub(crate) fn unpack(self, packed: &[u8], size: u64, into: &mut Vec<u8>) -> Unpacked {
         into.clear();
         if size > MAX_BYTES {

@@ -145,7 +145,7 @@ impl Localizer for RailLocalizer {
         if dt <= 0.0 {
             return Ok(on_rail(*self.filter.belief()));
         }
-        let mut ahead = self.filter.clone();
+        let mut ahead = self.filter;
         ahead.predict(&self.motion(dt)?, &Vector1::new(self.acceleration))?;
         Ok(on_rail(*ahead.belief()))
     }

@@ -120,7 +120,8 @@ pub(super) struct Roles {
     /// The topic of an inertial unit, and of a satellite receiver.
     pub(super) inertial: Option<String>,
     pub(super) satellites: Option<String>,
-    /// Topics from which none was chosen, and names that were asked for and are not in the bag, as lines for the user.
+    /// Topics from which none was chosen, and names
+    /// that are not in the bag, as lines for the user.
     pub(super) notes: Vec<String>,
 }
 
@@ -160,14 +161,14 @@ impl Roles {
         let kinds = if lasers { &SCANS[..2] } else { &SCANS };
         let names = &options.names;
         let mut notes = Vec::new();
-        let asked = names.scan_topic.as_deref().filter(|_| options.scan_topic.is_none());
-        let found = asked.and_then(|name| chooser.named(name, &SCANS));
+        let given = names.scan_topic.as_deref().filter(|_| options.scan_topic.is_none());
+        let found = given.and_then(|name| chooser.named(name, &SCANS));
         let named = options.scan_topic.clone().or(found);
         let scans = chooser.choose("--scan-topic", &named, kinds, "scans")?;
         let scans = scans.ok_or_else(|| {
             chooser.missing("a topic of type LaserScan, MultiEchoLaserScan or PointCloud2")
         })?;
-        if let Some(name) = asked.filter(|name| plain(name) != plain(&scans)) {
+        if let Some(name) = given.filter(|name| plain(name) != plain(&scans)) {
             notes.push(missing_name("scan_topic", name, &scans));
         }
         // Of several topics, that with the frame.
@@ -188,8 +189,8 @@ impl Roles {
                 let (parent, child) = below.ok_or_else(|| {
                     chooser.missing("a topic of type Odometry, or a transform from a frame odom")
                 })?;
-                let asked = names.base_frame.as_deref().map(plain);
-                let child = asked.filter(|base| preview.moves(parent, base)).unwrap_or(child);
+                let given = names.base_frame.as_deref().map(plain);
+                let child = given.filter(|base| preview.moves(parent, base)).unwrap_or(child);
                 (OdometryFrom::Transform(parent.to_owned()), child.to_owned())
             }
         };
@@ -226,8 +227,8 @@ fn reference(
     preview: &Preview,
     options: &RecordingOptions,
 ) -> Result<ReferenceFrom> {
-    let asked = options.names.map_frame.as_deref().map_or("map", plain);
-    let map = preview.moving_below(|frame| frame == asked);
+    let given = options.names.map_frame.as_deref().map_or("map", plain);
+    let map = preview.moving_below(|frame| frame == given);
     let map = map.or_else(|| preview.moving_below(|frame| frame == "map"));
     let map = map.map(|(map, _)| map.to_owned());
     let named = options.reference_topic.as_deref().map(|name| (name, name.trim_start_matches('/')));
@@ -353,7 +354,7 @@ impl Chooser<'_> {
 }
 
 /// The frame of the robot, and where it is in the one that the odometry is about: the frame that
-/// is asked for, where fixed transforms join the two.
+/// is given, where fixed transforms join the two.
 fn base_frame(
     names: &RosNames,
     preview: &Preview,
@@ -362,21 +363,21 @@ fn base_frame(
     notes: &mut Vec<String>,
 ) -> (String, Pose2) {
     let same = (child.to_owned(), Pose2::IDENTITY);
-    let Some(asked) = names.base_frame.as_deref().map(plain).filter(|name| *name != child) else {
+    let Some(given) = names.base_frame.as_deref().map(plain).filter(|name| *name != child) else {
         return same;
     };
     // A transform is the odometry of its own child.
     let is_topic = matches!(odometry, OdometryFrom::Topic(_));
-    match preview.frames.lookup(child, asked, Stamp(0), 0.0) {
-        Ok(place) if is_topic => (asked.to_owned(), messages::planar(&place)),
+    match preview.frames.lookup(child, given, Stamp(0), 0.0) {
+        Ok(place) if is_topic => (given.to_owned(), messages::planar(&place)),
         _ => {
-            notes.push(missing_name("base_frame_id", asked, child));
+            notes.push(missing_name("base_frame_id", given, child));
             same
         }
     }
 }
 
-/// Notes what else is asked for and not there.
+/// Notes the other names of frames that are not in the bag.
 fn check_frames(
     names: &RosNames,
     preview: &Preview,
@@ -387,14 +388,14 @@ fn check_frames(
         OdometryFrom::Transform(frame) => Some(frame.as_str()),
         OdometryFrom::Topic(topic) => preview.odometry_frames.get(topic).map(|of| of.0.as_str()),
     };
-    let asked = names.odom_frame.as_deref().map(plain);
-    if let Some((asked, odom)) = asked.zip(odom).filter(|(asked, odom)| *asked != plain(odom)) {
-        notes.push(missing_name("odom_frame_id", asked, plain(odom)));
+    let given = names.odom_frame.as_deref().map(plain);
+    if let Some((given, odom)) = given.zip(odom).filter(|(given, odom)| *given != plain(odom)) {
+        notes.push(missing_name("odom_frame_id", given, plain(odom)));
     }
     let has = |name: &str| preview.moving_below(|frame| frame == name).is_some();
-    let asked = names.map_frame.as_deref().map(plain);
-    if let Some(asked) = asked.filter(|asked| has("map") && !has(asked)) {
-        notes.push(missing_name("global_frame_id", asked, "map"));
+    let given = names.map_frame.as_deref().map(plain);
+    if let Some(given) = given.filter(|given| has("map") && !has(given)) {
+        notes.push(missing_name("global_frame_id", given, "map"));
     }
 }
 

@@ -183,10 +183,10 @@ pub(super) fn recovery(given: &mut NodeParameters, mcl: &mut MclSettings) -> Res
             mcl.recovery.augmented = Some(settings);
         }
         (Some(slow), None) => {
-            given.warn(slow.line, RECOVERY_KEYS[0], "takes recovery_alpha_fast above 0")
+            given.warn(slow.line, RECOVERY_KEYS[0], "takes recovery_alpha_fast above 0");
         }
         (None, Some(fast)) => {
-            given.warn(fast.line, RECOVERY_KEYS[1], "takes recovery_alpha_slow above 0")
+            given.warn(fast.line, RECOVERY_KEYS[1], "takes recovery_alpha_slow above 0");
         }
         (None, None) => {}
     }

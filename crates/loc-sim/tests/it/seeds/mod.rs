@@ -1,9 +1,8 @@
 //! Small files of every format that is read, written here: what fuzzing starts from.
 //!
 //! `LOC_FUZZ_CORPUS=$PWD/crates/loc-ros/fuzz/corpus cargo test -p loc-sim --test it seeds` puts
-//! them where
-//! `cargo fuzz` looks; without it they go into a folder that is deleted. Each is read here by the
-//! parser it is for, so that none of them rots.
+//! them where `cargo fuzz` looks; without it they go into a folder that is deleted. Each is read
+//! here by the parser it is for, so that none of them becomes stale.
 
 mod bags;
 mod messages;
