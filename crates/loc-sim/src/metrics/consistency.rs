@@ -24,7 +24,7 @@ use crate::Result;
 use crate::record::{MethodRecord, Run};
 use loc_core::stats::consistency::{ChiSquareTally, NeesEnsemble, Whiteness};
 use loc_core::{Gaussian, Pose2};
-use loc_filters::localizer::{Estimate, Residual};
+use loc_filters::localizer::{Estimate, Outcome, Residual};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::ops::RangeInclusive;
 
@@ -218,7 +218,7 @@ impl RunEvidence {
         let nees = pairs.map(|(e, t)| run.nees(e, t.value.pose)).collect();
         let mut nis = ChiSquareTally::new(confidence)?;
         let mut sequences: [Vec<f64>; Residual::MAX] = Default::default();
-        for outcome in record.outcomes.iter().map(|j| j.value).filter(|j| j.accepted()) {
+        for outcome in record.outcomes.iter().map(|j| j.value).filter(Outcome::accepted) {
             if let Some(value) = outcome.nis {
                 nis.push(outcome.degrees_of_freedom, value)?;
             }
