@@ -296,7 +296,7 @@ fn an_outage_widens_the_belief_and_its_end_narrows_it() {
     let mut robot =
         Delayed::new(FusedLocalizer::new(map(), settings, 0.0, start).unwrap(), 2.0).unwrap();
     let spread = |robot: &Robot, k: u32| {
-        let belief = belief_of(&robot, f64::from(k) * DT).unwrap();
+        let belief = belief_of(robot, f64::from(k) * DT).unwrap();
         belief.about_pose().covariance.fixed_view::<2, 2>(0, 0).trace().sqrt()
     };
     let mut sigmas = Vec::new();
