@@ -8,7 +8,7 @@ use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::delayed::Sequential;
 use loc_filters::landmark::{
-    LandmarkEkf, LandmarkFilter, LandmarkLocalizer, LandmarkSettings, LandmarkUkf,
+    LandmarkEkf, LandmarkFilter, LandmarkLocalizer, RobotSettings, LandmarkUkf,
 };
 use loc_filters::smoother::{Recorded, Smoothable};
 use loc_filters::{ExtendedKalmanFilter, Localizer, NonlinearFilter};
@@ -79,7 +79,7 @@ fn one<F: NonlinearFilter<3>>(
 fn step(c: &mut Criterion) {
     let (map, observations) = world();
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
-    let settings = LandmarkSettings { gate_probability: 1.0, ..LandmarkSettings::default() };
+    let settings = RobotSettings { gate_probability: 1.0, ..RobotSettings::default() };
     let mut group = c.benchmark_group("landmark-ekf/6-observations");
 
     let filter = LandmarkEkf::new(start, settings).expect("valid");

@@ -10,6 +10,7 @@ pub mod pose;
 pub mod probability;
 pub mod random;
 pub mod sampling;
+pub mod settings;
 pub mod stats;
 pub mod table;
 pub mod trajectory;

@@ -33,6 +33,17 @@ pub struct Pose2 {
 }
 
 impl Pose2 {
+    /// Checks that all three numbers are finite.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfRange`] otherwise.
+    pub fn check(&self) -> crate::Result<()> {
+        crate::error::finite("x of a pose [m]", self.x)?;
+        crate::error::finite("y of a pose [m]", self.y)?;
+        crate::error::finite("heading of a pose [rad]", self.theta)?;
+        Ok(())
+    }
+
     /// The pose of a frame in itself.
     pub const IDENTITY: Pose2 = Pose2 { x: 0.0, y: 0.0, theta: 0.0 };
 

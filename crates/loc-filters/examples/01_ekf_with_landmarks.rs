@@ -6,7 +6,7 @@ use loc_core::random::stream;
 use loc_core::{Pose2, Twist2, gaussian::pose_belief};
 use loc_filters::Localizer;
 use loc_filters::delayed::Delayed;
-use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings};
+use loc_filters::landmark::{LandmarkLocalizer, RobotSettings};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::LandmarkCamera;
 
@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let map = LandmarkMap::new([Landmark::planar(1, 4.0, 1.0), Landmark::planar(2, 2.0, 4.0)])?;
     // The start is known to 0.3 m and 0.1 rad.
     let start = pose_belief(Pose2::new(0.2, -0.2, 0.05), [0.3, 0.3, 0.1]);
-    let localizer = LandmarkLocalizer::new(map.clone(), LandmarkSettings::default(), 0.0, start)?;
+    let localizer = LandmarkLocalizer::new(map.clone(), RobotSettings::default(), 0.0, start)?;
     // `Delayed` applies inputs that come up to 1 s late at their own time.
     let mut robot = Delayed::new(localizer, 1.0)?;
 

@@ -6,11 +6,11 @@
 //! ```
 //! use loc_core::{Pose2, Twist2, gaussian::pose_belief};
 //! use loc_filters::dead_reckoning::DeadReckoning;
-//! use loc_filters::{Localizer, landmark::LandmarkSettings};
+//! use loc_filters::{Localizer, RobotSettings};
 //! use loc_sensors::event::Control;
 //!
 //! let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
-//! let mut robot = DeadReckoning::new(LandmarkSettings::default(), Default::default(), 0.0, start)?;
+//! let mut robot = DeadReckoning::new(RobotSettings::default(), 0.0, start)?;
 //! robot.predict(0.0, &Control::Velocity(Twist2::forward(0.5, 0.0)))?;
 //! let estimate = robot.estimate(4.0)?;
 //! assert!((estimate.pose.x - 2.0).abs() < 1e-9);
@@ -18,9 +18,9 @@
 //! # Ok::<(), loc_filters::Error>(())
 //! ```
 
-use crate::Result;
-use crate::landmark::{LandmarkLocalizer, LandmarkSettings};
+use crate::landmark::LandmarkLocalizer;
 use crate::localizer::{Estimate, Localizer, Outcome};
+use crate::{Result, RobotSettings};
 use loc_core::motion::{DrivenPath, PathNoise};
 use loc_core::{Gaussian, Pose2};
 use loc_maps::LandmarkMap;
@@ -38,18 +38,17 @@ pub struct DeadReckoning {
 
 impl DeadReckoning {
     /// A robot that stands still at `stamp` \[s\] with a belief over (x, y, theta). Velocities have the
-    /// integration rule, motion noise and horizon of `settings`, poses the noise `path_noise`.
+    /// integration rule and noise of the odometry, poses the noise of the path.
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
     pub fn new(
-        settings: LandmarkSettings,
-        path_noise: PathNoise,
+        robot: RobotSettings,
         stamp: f64,
         start: Gaussian<3>,
     ) -> Result<Self> {
-        let velocities = LandmarkLocalizer::new(LandmarkMap::default(), settings, stamp, start)?;
-        Ok(DeadReckoning { velocities, path_noise, belief: start, odometry: None })
+        let velocities = LandmarkLocalizer::new(LandmarkMap::default(), robot, stamp, start)?;
+        Ok(DeadReckoning { velocities, path_noise: robot.path, belief: start, odometry: None })
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`robot`] | what belongs to the robot, used by every method |
 //! | [`kalman`] | the linear Kalman filter in one and in n dimensions |
 //! | [`extended`], [`unscented`] | the extended and the unscented Kalman filter on a user's models |
 //! | [`nonlinear`] | the common trait of nonlinear filters |
@@ -30,6 +31,7 @@ pub mod lateration;
 pub mod line_matching;
 pub mod localizer;
 pub mod nonlinear;
+pub mod robot;
 pub mod slam;
 pub mod smoother;
 pub mod unscented;
@@ -40,4 +42,5 @@ pub use innovation::{Gate, Innovation};
 pub use kalman::{KalmanFilter, ScalarKalmanFilter};
 pub use localizer::Localizer;
 pub use nonlinear::NonlinearFilter;
+pub use robot::RobotSettings;
 pub use unscented::UnscentedKalmanFilter;

@@ -7,14 +7,14 @@
 //!
 //! ```
 //! use loc_core::{Twist2, gaussian::pose_belief, Pose2};
-//! use loc_filters::{Localizer, landmark::{LandmarkLocalizer, LandmarkSettings}};
+//! use loc_filters::{Localizer, RobotSettings, landmark::LandmarkLocalizer};
 //! use loc_maps::{Landmark, LandmarkMap};
 //! use loc_sensors::event::{Control, Measurement};
 //! use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 //!
 //! let map = LandmarkMap::new([Landmark::planar(7, 3.0, 0.0)])?;
 //! let start = pose_belief(Pose2::IDENTITY, [0.3, 0.3, 0.1]);
-//! let mut robot = LandmarkLocalizer::new(map, LandmarkSettings::default(), 0.0, start)?;
+//! let mut robot = LandmarkLocalizer::new(map, RobotSettings::default(), 0.0, start)?;
 //! robot.predict(0.0, &Control::Velocity(Twist2::forward(1.0, 0.0)))?;
 //! let seen = LandmarkObservation { landmark: 7, sight: Observed::RangeBearing { range: 2.0, bearing: 0.0 } };
 //! let outcomes = robot.correct(1.0, &Measurement::Landmarks(vec![seen]))?;

@@ -35,24 +35,26 @@ use loc_core::{Normal, Pose2};
 use rand::Rng;
 use std::f64::consts::TAU;
 
-/// Settings of KLD-sampling.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct KldSettings {
-    /// Largest Kullback-Leibler distance between the particle set and the belief (`pf_err`,
-    /// epsilon).
-    pub error: f64,
-    /// The confidence with which it is kept.
-    pub certainty: KldCertainty,
-    /// Width of a bin along x and along y \[m\].
-    pub bin_position: f64,
-    /// Width of a bin in heading \[rad\]; narrowed a little where it does not divide the full turn.
-    pub bin_heading: f64,
-    /// Minimum number of particles.
-    pub min_particles: usize,
-    /// Maximum number of particles.
-    pub max_particles: usize,
+loc_core::settings! {
+    /// Settings of KLD-sampling.
+    ///
+    /// nav2_amcl's numbers, with `pf_z` read as a probability.
+    pub struct KldSettings {
+        /// Largest Kullback-Leibler distance between the particle set and the belief (`pf_err`,
+        /// epsilon).
+        pub error: f64 = 0.05 => positive;
+        /// The confidence with which it is kept.
+        pub certainty: KldCertainty = KldCertainty::Confidence(0.99) => check;
+        /// Width of a bin along x and along y \[m\].
+        pub bin_position: f64 = 0.5 => positive;
+        /// Width of a bin in heading \[rad\]; narrowed a little where it does not divide the full turn.
+        #[serde(with = "loc_core::settings::angle")]
+        pub bin_heading: f64 = 10_f64.to_radians() => positive;
+        /// Minimum number of particles.
+        pub min_particles: usize = 500 => at_least(1);
+        /// Maximum number of particles.
+        pub max_particles: usize = 2000 => holds("at least min_particles", |kld| kld.max_particles >= kld.min_particles);
+    }
 }
 
 /// The confidence with which the error of KLD-sampling is kept.
@@ -67,42 +69,7 @@ pub enum KldCertainty {
     Quantile(f64),
 }
 
-impl Default for KldSettings {
-    /// nav2_amcl's numbers, with `pf_z` read as a probability.
-    fn default() -> Self {
-        KldSettings {
-            error: 0.05,
-            certainty: KldCertainty::Confidence(0.99),
-            bin_position: 0.5,
-            bin_heading: 10_f64.to_radians(),
-            min_particles: 500,
-            max_particles: 2000,
-        }
-    }
-}
-
 impl KldSettings {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] and [`loc_core::Error::Length`] naming the first that is not
-    /// allowed.
-    pub fn validate(&self) -> Result<()> {
-        positive("error of KLD-sampling", self.error)?;
-        self.quantile()?;
-        positive("bin_position [m]", self.bin_position)?;
-        positive("bin_heading [rad]", self.bin_heading)?;
-        let (what, found) = ("min_particles", self.min_particles);
-        if found == 0 {
-            return Err(loc_core::Error::Length { what, expected: "at least 1", found }.into());
-        }
-        let (what, found) = ("max_particles", self.max_particles);
-        if found < self.min_particles {
-            let expected = "at least min_particles";
-            return Err(loc_core::Error::Length { what, expected, found }.into());
-        }
-        Ok(())
-    }
 
     /// How many particles a belief over `bins` bins needs: the quantile of chi-square with
     /// `bins - 1` degrees of freedom over twice the error, by the approximation of Wilson and
@@ -247,9 +214,9 @@ impl Kld {
     /// KLD-sampling with the given settings.
     ///
     /// # Errors
-    /// Settings out of range ([`KldSettings::validate`]).
+    /// Settings out of range ([`KldSettings::check`]).
     pub fn new(settings: KldSettings) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         let bins = Bins::new(settings.bin_position, settings.bin_heading);
         Ok(Kld { quantile: settings.quantile()?, settings, bins })
     }

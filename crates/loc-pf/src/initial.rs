@@ -90,7 +90,7 @@ impl SeedSettings {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn validate(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         non_negative("position [m]", self.position)?;
         non_negative("heading [rad]", self.heading)?;
         positive("exponent", self.exponent)?;
@@ -123,7 +123,7 @@ pub fn seed_particles<R: Rng + ?Sized>(
     settings: &SeedSettings,
     rng: &mut R,
 ) -> Result<Particles> {
-    settings.validate()?;
+    settings.check()?;
     let best = candidates.iter().map(|candidate| candidate.log_likelihood).reduce(f64::max);
     let Some(best) = best else {
         let (what, expected) = ("candidates", "at least 1");

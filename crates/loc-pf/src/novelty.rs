@@ -160,56 +160,40 @@ pub fn by_casting<'a>(
     }
 }
 
-/// Drops a beam that is, averaged over the belief, shorter than expected with more than a given
-/// probability (K3): something that is not in the map blocks it.
-///
-/// A beam of range d is shorter than expected with `P(d < d* + e)`, e of `N(0, sigma_hit^2)`, with
-/// d* the range expected by the map; with 1 where no return is expected. Beams without a return are
-/// never dropped. It keeps the beams that are needed:
-///
-/// * with a wide belief (global localization) a beam is dropped only where it is too short nearly
-///   everywhere in the belief;
-/// * where more than `max_dropped` of the beams are too short, the belief is wrong rather than
-///   the room crowded, and all are kept;
-/// * beams that are too long are always kept; they are the evidence for a wrong pose;
-/// * in a room as mapped a beam has to be too short by 2.3 `sigma_hit` at all poses, which is rare
-///   by noise and by smaller errors of the belief.
-///
-/// A few rays are cast for a beam that is kept, one for each pose of the sample for a dropped one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct DistanceFilter {
-    /// The probability from which a beam is dropped.
-    pub threshold: f64,
-    /// Standard deviation of what measures the obstacle of the map \[m\].
-    pub sigma_hit: f64,
-    /// The largest share of the beams that is dropped.
-    pub max_dropped: f64,
-}
-
-impl Default for DistanceFilter {
-    fn default() -> Self {
-        DistanceFilter { threshold: 0.99, sigma_hit: 0.2, max_dropped: 0.8 }
+loc_core::settings! {
+    /// Drops a beam that is, averaged over the belief, shorter than expected with more than a given
+    /// probability (K3): something that is not in the map blocks it.
+    ///
+    /// A beam of range d is shorter than expected with `P(d < d* + e)`, e of `N(0, sigma_hit^2)`, with
+    /// d* the range expected by the map; with 1 where no return is expected. Beams without a return are
+    /// never dropped. It keeps the beams that are needed:
+    ///
+    /// * with a wide belief (global localization) a beam is dropped only where it is too short nearly
+    ///   everywhere in the belief;
+    /// * where more than `max_dropped` of the beams are too short, the belief is wrong rather than
+    ///   the room crowded, and all are kept;
+    /// * beams that are too long are always kept; they are the evidence for a wrong pose;
+    /// * in a room as mapped a beam has to be too short by 2.3 `sigma_hit` at all poses, which is rare
+    ///   by noise and by smaller errors of the belief.
+    ///
+    /// A few rays are cast for a beam that is kept, one for each pose of the sample for a dropped one.
+    #[derive(Copy)]
+    pub struct DistanceFilter {
+        /// The probability from which a beam is dropped.
+        pub threshold: f64 = 0.99 => probability;
+        /// Standard deviation of what measures the obstacle of the map \[m\].
+        pub sigma_hit: f64 = 0.2 => positive;
+        /// The largest share of the beams that is dropped.
+        pub max_dropped: f64 = 0.8 => probability;
     }
 }
 
 impl DistanceFilter {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn validate(&self) -> Result<()> {
-        probability("threshold of the distance filter", self.threshold)?;
-        positive("sigma_hit of the distance filter [m]", self.sigma_hit)?;
-        probability("largest share that the distance filter drops", self.max_dropped)?;
-        Ok(())
-    }
 
     /// Which of the beams numbered `beams` to keep. Without a sample, all of them.
     ///
     /// # Errors
-    /// Those of [`validate`](Self::validate).
+    /// Those of [`check`](Self::check).
     pub fn keep(
         &self,
         caster: &RayCaster,
@@ -217,7 +201,7 @@ impl DistanceFilter {
         mounted: &MountedScan<'_>,
         beams: &[usize],
     ) -> Result<Kept> {
-        self.validate()?;
+        self.check()?;
         let mut suspects = suspects(mounted, beams);
         let frame = caster.frame();
         // Pose by pose: the first one explains most beams.
@@ -276,49 +260,34 @@ fn suspects(mounted: &MountedScan<'_>, beams: &[usize]) -> Vec<Suspect> {
     beams.iter().enumerate().filter_map(suspect).collect()
 }
 
-/// Drops a beam after which the belief would be less certain than before (K3): its entropy
-/// `H = -integral b ln b` rises.
-///
-/// A beam that fits the belief sharpens it. One that hits a person moves weight to the edge of the
-/// belief, or to poses that were nearly excluded. So does a beam that is evidence for the robot
-/// being elsewhere: with this filter alone a kidnapped robot stays lost. Where more than
-/// `max_dropped` of the beams raise the entropy, all are kept.
-///
-/// The density before the beam is the Gaussian with the mean and covariance of the sample; the
-/// change by the beam is summed over the sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct EntropyFilter {
-    /// A rise up to this is accepted \[nat\]: with a few poses the entropies are uncertain.
-    pub tolerance: f64,
-    /// The largest share of the beams that is dropped.
-    pub max_dropped: f64,
-}
-
-impl Default for EntropyFilter {
-    fn default() -> Self {
-        EntropyFilter { tolerance: 0.01, max_dropped: 0.8 }
+loc_core::settings! {
+    /// Drops a beam after which the belief would be less certain than before (K3): its entropy
+    /// `H = -integral b ln b` rises.
+    ///
+    /// A beam that fits the belief sharpens it. One that hits a person moves weight to the edge of the
+    /// belief, or to poses that were nearly excluded. So does a beam that is evidence for the robot
+    /// being elsewhere: with this filter alone a kidnapped robot stays lost. Where more than
+    /// `max_dropped` of the beams raise the entropy, all are kept.
+    ///
+    /// The density before the beam is the Gaussian with the mean and covariance of the sample; the
+    /// change by the beam is summed over the sample.
+    #[derive(Copy)]
+    pub struct EntropyFilter {
+        /// A rise up to this is accepted \[nat\]: with a few poses the entropies are uncertain.
+        pub tolerance: f64 = 0.01 => non_negative;
+        /// The largest share of the beams that is dropped.
+        pub max_dropped: f64 = 0.8 => probability;
     }
 }
 
 impl EntropyFilter {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn validate(&self) -> Result<()> {
-        non_negative("tolerance of the entropy filter [nat]", self.tolerance)?;
-        probability("largest share that the entropy filter drops", self.max_dropped)?;
-        Ok(())
-    }
 
     /// Which of the beams numbered `beams` to keep, including those without information. `rating`
     /// is the logarithm of the likelihood of a beam, as [`by_field`] or
     /// [`by_casting`] give it.
     ///
     /// # Errors
-    /// Those of [`validate`](Self::validate).
+    /// Those of [`check`](Self::check).
     pub fn keep(
         &self,
         rating: impl Fn(Point2<f64>, [f64; 2], f64) -> f64,
@@ -326,7 +295,7 @@ impl EntropyFilter {
         mounted: &MountedScan<'_>,
         beams: &[usize],
     ) -> Result<Kept> {
-        self.validate()?;
+        self.check()?;
         let mounting = mounted.mounting;
         let lasers: Vec<(Point2<f64>, [f64; 2])> = sample
             .poses()

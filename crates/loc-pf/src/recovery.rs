@@ -17,49 +17,15 @@
 use crate::Result;
 use loc_core::error::{in_range, positive, probability};
 
-/// Settings of [`Suspicion`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct SuspicionSettings {
-    /// Probability that the robot is kidnapped, or lost, between two updates.
-    pub rate: f64,
-    /// Probability of being elsewhere from which a search is required.
-    pub alarm: f64,
-    /// Share by which the usual evidence follows each update.
-    pub adaptation: f64,
-    /// Volume of a pose candidate in the space of poses \[m^2 rad\]: about what a sharp scan
-    /// leaves.
-    pub place: f64,
-    /// Maximum number of updates between a search without result and the next.
-    pub longest_pause: u32,
-}
-
-impl Default for SuspicionSettings {
-    fn default() -> Self {
-        SuspicionSettings {
-            rate: 1e-3,
-            alarm: 0.1,
-            adaptation: 0.05,
-            place: 0.01,
-            longest_pause: 16,
-        }
-    }
-}
-
-impl SuspicionSettings {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn validate(&self) -> Result<()> {
-        probability("rate of kidnappings", self.rate)?;
-        let share = |v: f64| v > 0.0 && v < 1.0;
-        let expected = "a probability above 0 and below 1";
-        in_range("alarm of the suspicion", expected, self.alarm, share)?;
-        probability("adaptation of the usual evidence", self.adaptation)?;
-        positive("extent of a place [m^2 rad]", self.place)?;
-        Ok(())
+loc_core::settings! {
+    /// Settings of [`Suspicion`].
+    #[derive(Copy)]
+    pub struct SuspicionSettings {
+        /// Probability that the robot is kidnapped, or lost, between two updates.
+        pub rate: f64 = 1e-3 => probability;
+        /// Volume of a pose candidate in the space of poses \[m^2 rad\]: about what a sharp scan
+        /// leaves.
+        pub place: f64 = 0.01 => positive;
     }
 }
 
@@ -108,9 +74,9 @@ impl Suspicion {
     /// The robot is at its particles, in a map with `area` \[m^2\] of free space.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`], see [`SuspicionSettings::validate`].
+    /// [`loc_core::Error::OutOfRange`], see [`SuspicionSettings::check`].
     pub fn new(settings: SuspicionSettings, usual: UsualEvidence, area: f64) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         positive("free area [m^2]", area)?;
         let poses = (area * std::f64::consts::TAU / settings.place).max(1.0);
         let UsualEvidence { expected, min } = usual;
@@ -181,35 +147,16 @@ impl Suspicion {
     }
 }
 
-/// Settings of [`AugmentedMcl`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct AugmentedSettings {
-    /// Share by which the long-term average follows each update (`recovery_alpha_slow`).
-    pub alpha_slow: f64,
-    /// Share by which the short-term average does (`recovery_alpha_fast`), above `alpha_slow`.
-    pub alpha_fast: f64,
-}
-
-impl Default for AugmentedSettings {
-    /// The values of the literature.
-    fn default() -> Self {
-        AugmentedSettings { alpha_slow: 0.001, alpha_fast: 0.1 }
-    }
-}
-
-impl AugmentedSettings {
-    /// Checks both numbers.
+loc_core::settings! {
+    /// Settings of [`AugmentedMcl`].
     ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] unless 0 < alpha_slow < alpha_fast <= 1.
-    pub fn validate(&self) -> Result<()> {
-        let fast = |v: f64| v > 0.0 && v <= 1.0;
-        in_range("alpha_fast", "a number above 0 and up to 1", self.alpha_fast, fast)?;
-        let slow = |v: f64| v > 0.0 && v < self.alpha_fast;
-        in_range("alpha_slow", "a number above 0 and below alpha_fast", self.alpha_slow, slow)?;
-        Ok(())
+    /// The values of the literature.
+    #[derive(Copy)]
+    pub struct AugmentedSettings {
+        /// Share by which the long-term average follows each update (`recovery_alpha_slow`).
+        pub alpha_slow: f64 = 0.001 => holds("a number above 0 and below alpha_fast", |s| s.alpha_slow > 0.0 && s.alpha_slow < s.alpha_fast);
+        /// Share by which the short-term average does (`recovery_alpha_fast`), above `alpha_slow`.
+        pub alpha_fast: f64 = 0.1 => share;
     }
 }
 
@@ -231,9 +178,9 @@ impl AugmentedMcl {
     /// Averages without a past.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`], see [`AugmentedSettings::validate`].
+    /// [`loc_core::Error::OutOfRange`], see [`AugmentedSettings::check`].
     pub fn new(settings: AugmentedSettings) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         Ok(AugmentedMcl { settings, averages: None })
     }
 

@@ -66,7 +66,7 @@ impl Tempering {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
     pub fn new(settings: TemperingSettings) -> crate::Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         Ok(Tempering { settings, ..Tempering::default() })
     }
 
@@ -264,52 +264,15 @@ const SPREADING_MOVES: f64 = 3.0;
 /// How finely a share of a measurement is determined: to 1 / 2^10 of what is left.
 const BISECTIONS: u32 = 10;
 
-/// Settings of [`Tempering`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct TemperingSettings {
-    /// A stage uses the share of the measurement that leaves this share of the particles effective,
-    /// in (0, 1).
-    pub effective_share: f64,
-    /// Maximum number of stages; the last one uses the rest of the measurement.
-    pub max_stages: usize,
-    /// Target share of accepted steps, in (0, 1); their length follows it.
-    pub acceptance: f64,
-    /// Particles make steps until this many are accepted for each of them on average ..
-    pub moves: f64,
-    /// .. but at most this many steps.
-    pub max_strides: usize,
-}
-
-impl Default for TemperingSettings {
-    fn default() -> Self {
-        TemperingSettings {
-            effective_share: 0.5,
-            max_stages: 20,
-            acceptance: 0.35,
-            moves: 0.5,
-            max_strides: 10,
-        }
-    }
-}
-
-impl TemperingSettings {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn validate(&self) -> Result<()> {
-        let share = |v: f64| v > 0.0 && v < 1.0;
-        let expected = "a share above 0 and below 1";
-        in_range("effective_share of a stage", expected, self.effective_share, share)?;
-        in_range("acceptance of the walks", expected, self.acceptance, share)?;
-        positive("moves of a stage", self.moves)?;
-        let strides = self.max_strides as f64;
-        in_range("max_strides", "at least 1", strides, |v| v >= 1.0)?;
-        let stages = self.max_stages as f64;
-        in_range("max_stages", "at least 1", stages, |v| v >= 1.0)?;
-        Ok(())
+loc_core::settings! {
+    /// Settings of [`Tempering`].
+    #[derive(Copy)]
+    pub struct TemperingSettings {
+        /// A stage uses the share of the measurement that leaves this share of the particles effective,
+        /// in (0, 1).
+        pub effective_share: f64 = 0.5 => holds("a share above 0 and below 1", |t| t.effective_share > 0.0 && t.effective_share < 1.0);
+        /// Particles make steps until this many are accepted for each of them on average ..
+        pub moves: f64 = 0.5 => positive;
     }
 }
 

@@ -118,6 +118,7 @@ pub struct LandmarkNoise {
     /// Its growth with the distance \[m/m\].
     pub range_sigma_per_m: f64,
     /// Standard deviation of the direction \[rad\]; also known as sigma_phi.
+    #[cfg_attr(feature = "serde", serde(with = "loc_core::settings::angle"))]
     pub bearing_sigma: f64,
 }
 
@@ -168,6 +169,7 @@ pub struct CameraCalibration {
     /// Whether the reported distance is the depth along the optical axis. Needs a bearing.
     pub range_is_depth: bool,
     /// Angle added to every direction by a camera turned on its mount \[rad\].
+    #[cfg_attr(feature = "serde", serde(with = "loc_core::settings::angle"))]
     pub bearing_bias: f64,
     /// Time from the observation to its stamp \[s\].
     pub delay: f64,
@@ -238,6 +240,7 @@ pub struct LandmarkCamera {
     /// The camera's pose on the robot, `base_from_camera`.
     pub mounting: Pose2,
     /// Opening angle, half of it to each side \[rad\]; a full turn sees everything.
+    #[cfg_attr(feature = "serde", serde(with = "loc_core::settings::angle"))]
     pub fov: f64,
     /// Nearest distance \[m\].
     pub min_range: f64,

@@ -114,7 +114,7 @@ pub fn learn(
     map: &OccupancyGrid,
     settings: &LearnSettings,
 ) -> Result<Learned> {
-    settings.start.validate()?;
+    settings.start.check()?;
     let reach = scans.iter().map(|(_, scan)| scan.range_max).fold(0.0, f64::max);
     let max_range = if reach > 0.0 { settings.start.max_range.min(reach) } else { 1.0 };
     let start = BeamModelSettings { max_range, ..settings.start };

@@ -211,7 +211,7 @@ impl ProbabilityMapConfig {
         }
         self.pose.check("probability_map.pose")?;
         self.laser.scanner()?;
-        self.field.validate()?;
+        self.field.check()?;
         if self.beams == 0 {
             return Err(field("probability_map.beams", "at least 1", "0"));
         }

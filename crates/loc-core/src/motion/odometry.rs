@@ -18,8 +18,7 @@
 //! assert!((after.covariance.m11 - 1.5 * 0.05_f64.powi(2)).abs() < 1e-12);
 //! ```
 
-use crate::error::{non_negative, probability};
-use crate::{Gaussian, Pose2, Result, angle};
+use crate::{Gaussian, Pose2, angle};
 use nalgebra::{Matrix3, Vector3};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -135,62 +134,35 @@ pub struct DrivenPath {
     turned: f64,
 }
 
-/// Noise of odometry over a path; variances in proportion to length and turning.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct PathNoise {
-    /// Standard deviation along the path after 1 m \[m\]; `sqrt(k_d)` of E7.
-    pub along: f64,
-    /// Standard deviation across the path after 1 m \[m\].
-    pub across: f64,
-    /// Standard deviation of the heading after 1 m \[rad\]; `sqrt(k_drift)` of E7.
-    pub drift: f64,
-    /// Standard deviation of the heading after turning by 1 rad \[rad\]; `sqrt(k_theta)` of E7.
-    pub turn: f64,
-    /// Standard deviation of the position after turning by 1 rad \[m\]: the point that odometry
-    /// tracks is not quite the one it turns about.
-    pub pivot: f64,
-    /// Lower bound of the standard deviation of the position of every update, however short its
-    /// path \[m\]: it keeps particles apart and filters from becoming overconfident.
-    pub min_position: f64,
-    /// Lower bound of the standard deviation of the heading of every update \[rad\].
-    pub min_heading: f64,
-    /// Probability that odometry fails in a step: slip, a push, a wrong count.
-    pub fault_probability: f64,
-}
-
-impl Default for PathNoise {
-    fn default() -> Self {
-        PathNoise {
-            along: 0.05,
-            across: 0.03,
-            drift: 3_f64.to_radians(),
-            turn: 5_f64.to_radians(),
-            pivot: 0.05,
-            min_position: 0.005,
-            min_heading: 0.2_f64.to_radians(),
-            fault_probability: 0.1,
-        }
+crate::settings! {
+    /// Noise of odometry over a path; variances in proportion to length and turning.
+    #[derive(Copy)]
+    pub struct PathNoise {
+        /// Standard deviation along the path after 1 m \[m\]; `sqrt(k_d)` of E7.
+        pub along: f64 = 0.05 => non_negative;
+        /// Standard deviation across the path after 1 m \[m\].
+        pub across: f64 = 0.03 => non_negative;
+        /// Standard deviation of the heading after 1 m \[rad\]; `sqrt(k_drift)` of E7.
+        #[serde(with = "crate::settings::angle")]
+        pub drift: f64 = 3_f64.to_radians() => non_negative;
+        /// Standard deviation of the heading after turning by 1 rad \[rad\]; `sqrt(k_theta)` of E7.
+        #[serde(with = "crate::settings::angle")]
+        pub turn: f64 = 5_f64.to_radians() => non_negative;
+        /// Standard deviation of the position after turning by 1 rad \[m\]: the point that odometry
+        /// tracks is not quite the one it turns about.
+        pub pivot: f64 = 0.05 => non_negative;
+        /// Lower bound of the standard deviation of the position of every update, however short its
+        /// path \[m\]: it keeps particles apart and filters from becoming overconfident.
+        pub min_position: f64 = 0.005 => non_negative;
+        /// Lower bound of the standard deviation of the heading of every update \[rad\].
+        #[serde(with = "crate::settings::angle")]
+        pub min_heading: f64 = 0.2_f64.to_radians() => non_negative;
+        /// Probability that odometry fails in a step: slip, a push, a wrong count.
+        pub fault_probability: f64 = 0.1 => probability;
     }
 }
 
 impl PathNoise {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`crate::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn validate(&self) -> Result<()> {
-        non_negative("noise along the path [m]", self.along)?;
-        non_negative("noise across the path [m]", self.across)?;
-        non_negative("drift of the heading [rad]", self.drift)?;
-        non_negative("noise of turning [rad]", self.turn)?;
-        non_negative("noise of the pivot [m]", self.pivot)?;
-        non_negative("lower bound of the noise of the position [m]", self.min_position)?;
-        non_negative("lower bound of the noise of the heading [rad]", self.min_heading)?;
-        probability("probability of an odometry fault", self.fault_probability)?;
-        Ok(())
-    }
 
     /// Variances that a path adds along it \[m^2\], across it \[m^2\] and to the heading \[rad^2\],
     /// without faults of the odometry and without the lower bounds.

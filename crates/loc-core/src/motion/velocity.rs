@@ -216,17 +216,38 @@ fn rotate(theta: f64, (x, y): (f64, f64)) -> (f64, f64) {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct VelocityNoise {
-    /// Variance of the distance, per metre driven \[m^2/m\].
-    pub k_d: f64,
-    /// Variance of the heading, per radian turned \[rad^2/rad\].
-    pub k_theta: f64,
-    /// Variance of the heading, per metre driven \[rad^2/m\].
-    pub k_drift: f64,
+    /// Standard deviation of the distance after 1 m \[m\].
+    pub distance_sigma: f64,
+    /// Standard deviation of the heading after a full turn \[rad\].
+    #[cfg_attr(feature = "serde", serde(with = "crate::settings::angle"))]
+    pub turn_sigma: f64,
+    /// Standard deviation of the heading after 1 m \[rad\].
+    #[cfg_attr(feature = "serde", serde(with = "crate::settings::angle"))]
+    pub drift_sigma: f64,
 }
 
 impl VelocityNoise {
     /// Perfect odometry.
-    pub const NONE: VelocityNoise = VelocityNoise { k_d: 0.0, k_theta: 0.0, k_drift: 0.0 };
+    pub const NONE: VelocityNoise =
+        VelocityNoise { distance_sigma: 0.0, turn_sigma: 0.0, drift_sigma: 0.0 };
+
+    /// Variance of the distance, per metre driven \[m^2/m\].
+    #[inline]
+    pub fn k_d(&self) -> f64 {
+        self.distance_sigma * self.distance_sigma
+    }
+
+    /// Variance of the heading, per radian turned \[rad^2/rad\].
+    #[inline]
+    pub fn k_theta(&self) -> f64 {
+        self.turn_sigma * self.turn_sigma / std::f64::consts::TAU
+    }
+
+    /// Variance of the heading, per metre driven \[rad^2/m\].
+    #[inline]
+    pub fn k_drift(&self) -> f64 {
+        self.drift_sigma * self.drift_sigma
+    }
 
     /// The model from standard deviations, as the lectures give them: `distance` \[m\] after
     /// 1 m, `turn` \[rad\] after a full turn, `drift` \[rad\] after 1 m.
@@ -234,12 +255,10 @@ impl VelocityNoise {
     /// # Errors
     /// [`crate::Error::OutOfRange`] for a negative or non-finite value.
     pub fn from_sigmas(distance: f64, turn: f64, drift: f64) -> Result<Self> {
-        Ok(VelocityNoise {
-            k_d: non_negative("sigma of the distance [m per m]", distance)?.powi(2),
-            k_theta: non_negative("sigma of a full turn [rad]", turn)?.powi(2)
-                / std::f64::consts::TAU,
-            k_drift: non_negative("sigma of the drift [rad per m]", drift)?.powi(2),
-        })
+        let noise =
+            VelocityNoise { distance_sigma: distance, turn_sigma: turn, drift_sigma: drift };
+        noise.check()?;
+        Ok(noise)
     }
 
     /// Checks every value.
@@ -247,9 +266,9 @@ impl VelocityNoise {
     /// # Errors
     /// [`crate::Error::OutOfRange`] for negative values, NaN and infinity.
     pub fn check(&self) -> Result<()> {
-        non_negative("k_d [m^2/m]", self.k_d)?;
-        non_negative("k_theta [rad^2/rad]", self.k_theta)?;
-        non_negative("k_drift [rad^2/m]", self.k_drift)?;
+        non_negative("distance_sigma of the odometry [m per m]", self.distance_sigma)?;
+        non_negative("turn_sigma of the odometry [rad per turn]", self.turn_sigma)?;
+        non_negative("drift_sigma of the odometry [rad per m]", self.drift_sigma)?;
         Ok(())
     }
 
@@ -265,9 +284,9 @@ impl VelocityNoise {
         }
         let per_time = 1.0 / dt;
         Vector3::new(
-            self.k_d * per_time * twist.vx.abs(),
-            self.k_d * per_time * twist.vy.abs(),
-            per_time * (self.k_theta * twist.omega.abs() + self.k_drift * twist.speed()),
+            self.k_d() * per_time * twist.vx.abs(),
+            self.k_d() * per_time * twist.vy.abs(),
+            per_time * (self.k_theta() * twist.omega.abs() + self.k_drift() * twist.speed()),
         )
     }
     // ANCHOR_END: velocity-noise
@@ -281,11 +300,10 @@ impl VelocityNoise {
 impl Default for VelocityNoise {
     /// 5 cm after 1 m, 5 degrees after a full turn, 2 degrees after 1 m: the lectures' example.
     fn default() -> Self {
-        let [distance, turn, drift] = [0.05, 5_f64.to_radians(), 2_f64.to_radians()];
         VelocityNoise {
-            k_d: distance * distance,
-            k_theta: turn * turn / std::f64::consts::TAU,
-            k_drift: drift * drift,
+            distance_sigma: 0.05,
+            turn_sigma: 5_f64.to_radians(),
+            drift_sigma: 2_f64.to_radians(),
         }
     }
 }

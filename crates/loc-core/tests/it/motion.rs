@@ -363,6 +363,6 @@ fn bad_noise_is_named() {
         (PathNoise { turn: f64::NAN, ..PathNoise::default() }, "noise of turning"),
         (PathNoise { fault_probability: 1.5, ..PathNoise::default() }, "odometry fault"),
     ] {
-        assert!(noise.validate().unwrap_err().to_string().contains(message));
+        assert!(noise.check().unwrap_err().to_string().contains(message));
     }
 }

@@ -188,21 +188,21 @@ pub enum Rule {
     JointCompatibility,
 }
 
-/// Settings of an [`Associator`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
-pub struct AssociationSettings {
-    /// The rule.
-    pub rule: Rule,
-    /// Share of right pairs (and of right sets of pairs) that the gate lets pass, 1 for no gate.
-    pub gate_probability: f64,
-    /// A pair is accepted only if the best set of pairs without it is that many times less likely;
-    /// 1 to believe the likelier one, however little. An observation that two landmarks explain about
-    /// equally well is better left out than given to the wrong one.
-    pub min_ratio: f64,
-    /// Maximum number of hypotheses of the joint search for the observations of one moment.
-    pub search_limit: usize,
+loc_core::settings! {
+    /// Settings of an [`Associator`].
+    #[derive(Copy)]
+    pub struct AssociationSettings {
+        /// The rule.
+        pub rule: Rule = Rule::JointCompatibility => any;
+        /// Share of right pairs (and of right sets of pairs) that the gate lets pass, 1 for no gate.
+        pub gate_probability: f64 = 0.99 => share;
+        /// A pair is accepted only if the best set of pairs without it is that many times less likely;
+        /// 1 to believe the likelier one, however little. An observation that two landmarks explain about
+        /// equally well is better left out than given to the wrong one.
+        pub min_ratio: f64 = 10.0 => at_least(1.0);
+        /// Maximum number of hypotheses of the joint search for the observations of one moment.
+        pub search_limit: usize = 5_000 => at_least(1);
+    }
 }
 
 impl AssociationSettings {
@@ -211,13 +211,3 @@ impl AssociationSettings {
     pub const GROUP: usize = 32;
 }
 
-impl Default for AssociationSettings {
-    fn default() -> Self {
-        AssociationSettings {
-            rule: Rule::JointCompatibility,
-            gate_probability: 0.99,
-            min_ratio: 10.0,
-            search_limit: 5_000,
-        }
-    }
-}

@@ -2,6 +2,7 @@
 //! then correct with it. Measurements of the velocity hold until the next one is due.
 
 use super::FusionSettings;
+use crate::RobotSettings;
 use super::models::{
     CompassModel, DirectionModel, DistanceModel, FusedMotion, InertialModel, ObservationModel,
     PositionModel, RandomWalk, WheelModel,
@@ -23,6 +24,10 @@ use loc_sensors::imu::ImuReading;
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{Matrix2, Vector1, Vector2};
 use std::sync::Arc;
+
+/// How fast the speed changes beside what the accelerometer measures (floors are not level)
+/// \[m/s/sqrt(s)\].
+const SLOPE_WALK: f64 = 0.02;
 
 /// A stretch without a measurement of the velocity is cut into pieces of this length, so that its
 /// random walk reaches the pose \[s\].
@@ -105,7 +110,11 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         start: Gaussian<3>,
     ) -> Result<Self> {
         let stamp = loc_core::error::finite("start time [s]", stamp)?;
-        let gate = settings.check()?;
+        settings.check()?;
+        let gate = settings.robot.gate()?;
+        positive("white sigma of a position [m]", settings.gnss.white_sigma)?;
+        finite("prior sigma of the range scale", settings.range_bias.scale_sigma)?;
+        finite("prior sigma of the range offset [m]", settings.range_bias.offset_sigma)?;
         let belief = super::state::belief(&settings, &start)?;
         Ok(FusedLocalizer {
             filter: F::start(belief, &[super::state::THETA])?,
@@ -179,11 +188,11 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         let sideways = if self.wheels.holds(self.stamp) { self.sideways } else { 0.0 };
         let motion = FusedMotion::new(&self.settings, dt, sideways, acceleration);
         self.filter.predict(&motion)?;
-        let FusionSettings { speed_walk, slope_walk, turn_walk, imu, .. } = &self.settings;
+        let FusionSettings { speed_walk, turn_walk, imu, .. } = &self.settings;
         self.pending_walk.turn += turn_walk * turn_walk * dt;
         self.pending_walk.speed += dt
             * match acceleration {
-                Some(_) => slope_walk * slope_walk + imu.accelerometer.density.powi(2),
+                Some(_) => SLOPE_WALK * SLOPE_WALK + imu.accelerometer.density.powi(2),
                 None => speed_walk * speed_walk,
             };
         self.stamp = end;
@@ -215,7 +224,7 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         let better_known = self.inertial.holds(self.stamp);
         let gate = if better_known { self.gate } else { Gate::OPEN };
         let moves = if better_known { self.expected_twist() } else { *twist };
-        let variances = self.settings.motion_noise.variances(moves, period);
+        let variances = self.settings.robot.odometry.variances(moves, period);
         let variances = Vector2::new(variances.x, variances.z).add_scalar(WHEEL_ROUNDING);
         let z = Vector2::new(twist.vx, twist.omega);
         let innovation = self.filter.correct(&WheelModel { variances }, &z, &gate)?;
@@ -241,7 +250,7 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         let floor = 1e-8;
         let variances = Vector2::new(
             imu.gyroscope.sample_sigma(period).powi(2) + floor,
-            imu.accelerometer.sample_sigma(period).powi(2) + self.settings.slope_walk.powi(2),
+            imu.accelerometer.sample_sigma(period).powi(2) + SLOPE_WALK.powi(2),
         );
         let z = Vector2::new(reading.angular_velocity.z, reading.acceleration.y);
         let innovation = self.filter.correct(&InertialModel { variances }, &z, &self.gate)?;
@@ -272,7 +281,7 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         let Some(landmark) = self.map.get(id) else {
             return Ok(Outcome::of(Decision::UnknownLandmark).with_landmark(id));
         };
-        let FusionSettings { mounting, observation_noise: noise, .. } = self.settings;
+        let RobotSettings { mounting, camera: noise, .. } = self.settings.robot;
         let landmark = landmark.position.xy();
         let sight = RangeBearingModel { landmark, mounting, noise };
         let model = if F::SECOND_ORDER {
@@ -336,7 +345,7 @@ impl<F: NonlinearFilter<STATES>> Localizer for FusedLocalizer<F> {
                 self.sensors.landmarks = true;
                 let correct = |one: &LandmarkObservation| self.observation(one);
                 let mut outcomes = observations.iter().map(correct).collect::<Result<Vec<_>>>()?;
-                let camera = FusedBelief(*self.filter.belief()).pose() * self.settings.mounting;
+                let camera = FusedBelief(*self.filter.belief()).pose() * self.settings.robot.mounting;
                 for (outcome, observation) in outcomes.iter_mut().zip(observations) {
                     outcome.observed_at = observed_position(camera, observation);
                 }

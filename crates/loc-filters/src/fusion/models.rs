@@ -294,7 +294,7 @@ impl FusedMotion {
             (DRIFT_X, drift),
             (DRIFT_Y, drift),
         ];
-        let (integration, noise) = (settings.integration, settings.motion_noise);
+        let (integration, noise) = (settings.robot.integration, settings.robot.odometry);
         FusedMotion { dt, sideways, acceleration, integration, noise, gained, decay }
     }
 

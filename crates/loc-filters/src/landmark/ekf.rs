@@ -1,9 +1,8 @@
 //! The landmark filter (H2), with its motion and measurement models and the outcome of an observation.
 
-use super::LandmarkSettings;
 use crate::extended::{LinearizedMotion, MeasurementModel, MotionModel};
 use crate::localizer::{Decision, Outcome};
-use crate::{ExtendedKalmanFilter, Gate, NonlinearFilter, Result, UnscentedKalmanFilter};
+use crate::{ExtendedKalmanFilter, Gate, NonlinearFilter, Result, RobotSettings, UnscentedKalmanFilter};
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::{Gaussian, Pose2, Twist2, angle};
 use loc_maps::LandmarkMap;
@@ -15,7 +14,7 @@ use nalgebra::{Matrix1, Matrix1x3, Matrix2, Matrix2x3, Point2, Vector1, Vector2,
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LandmarkFilter<F> {
     filter: F,
-    settings: LandmarkSettings,
+    settings: RobotSettings,
     gate: Gate,
 }
 
@@ -30,7 +29,7 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief or settings that are not valid.
-    pub fn new(start: Gaussian<3>, settings: LandmarkSettings) -> Result<Self> {
+    pub fn new(start: Gaussian<3>, settings: RobotSettings) -> Result<Self> {
         let gate = settings.gate()?;
         let filter = F::start(start, &[2])?;
         Ok(LandmarkFilter { filter, settings, gate })
@@ -48,12 +47,12 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
     pub fn predict(&mut self, twist: Twist2, dt: f64) -> Result<()> {
         crate::innovation::finite("velocity", &twist.to_vector())?;
         loc_core::error::non_negative("time step [s]", dt)?;
-        let LandmarkSettings { integration, motion_noise: noise, .. } = self.settings;
+        let RobotSettings { integration, odometry: noise, .. } = self.settings;
         self.filter.predict(&VelocityMotion { twist, dt, integration, noise })
     }
 
     /// The settings.
-    pub fn settings(&self) -> &LandmarkSettings {
+    pub fn settings(&self) -> &RobotSettings {
         &self.settings
     }
 
@@ -82,7 +81,7 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
         let Some(landmark) = map.get(id) else {
             return Ok(Outcome::of(Decision::UnknownLandmark).with_landmark(id));
         };
-        let LandmarkSettings { mounting, observation_noise: noise, .. } = self.settings;
+        let RobotSettings { mounting, camera: noise, .. } = self.settings;
         let landmark = landmark.position.xy();
         let model = RangeBearingModel { landmark, mounting, noise };
         let (filter, gate) = (&mut self.filter, &self.gate);

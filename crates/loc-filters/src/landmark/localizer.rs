@@ -1,10 +1,10 @@
 //! The landmark filter on time-stamped inputs.
 
-use super::{LandmarkFilter, LandmarkSettings};
+use super::LandmarkFilter;
 use crate::delayed::{Clock, Sequential};
 use crate::localizer::{Estimate, Localizer, Outcome, observed_position};
 use crate::smoother::{Recorded, Smoothable};
-use crate::{ExtendedKalmanFilter, NonlinearFilter, Result};
+use crate::{ExtendedKalmanFilter, NonlinearFilter, Result, RobotSettings};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::event::{Control, Measurement, Payload};
@@ -32,7 +32,7 @@ impl LandmarkLocalizer {
     /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
     pub fn new(
         map: impl Into<Arc<LandmarkMap>>,
-        settings: LandmarkSettings,
+        settings: RobotSettings,
         stamp: f64,
         start: Gaussian<3>,
     ) -> Result<Self> {
@@ -47,7 +47,7 @@ impl<F: NonlinearFilter<3>> LandmarkLocalizer<F> {
     /// As [`LandmarkLocalizer::new`].
     pub fn with_filter(
         map: impl Into<Arc<LandmarkMap>>,
-        settings: LandmarkSettings,
+        settings: RobotSettings,
         stamp: f64,
         start: Gaussian<3>,
     ) -> Result<Self> {

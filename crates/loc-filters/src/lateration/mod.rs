@@ -120,6 +120,17 @@ pub enum Loss {
 }
 
 impl Loss {
+    /// Checks where it bends.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] unless that is above 0.
+    pub fn check(&self) -> loc_core::Result<()> {
+        if let Loss::Huber(k) | Loss::Cauchy(k) = *self {
+            positive("bend of the loss [standard deviations]", k)?;
+        }
+        Ok(())
+    }
+
     /// Huber's loss with the bend at 1.345, which costs 5 % of the accuracy if all is normal
     /// (Holland and Welsch 1977).
     pub const HUBER: Loss = Loss::Huber(1.345);
@@ -175,7 +186,7 @@ impl BiasPrior {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for negative ones and NaN.
-    pub fn check(&self) -> Result<()> {
+    pub fn check(&self) -> loc_core::Result<()> {
         let expected = "a number >= 0, infinity allowed";
         in_range("sigma of the range scale", expected, self.scale_sigma, |s| s >= 0.0)?;
         in_range("sigma of the range offset [m]", expected, self.offset_sigma, |s| s >= 0.0)?;
@@ -208,10 +219,8 @@ impl LaterationSettings {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
-    pub fn check(&self) -> Result<()> {
-        if let Loss::Huber(k) | Loss::Cauchy(k) = self.loss {
-            loc_core::error::positive("bend of the loss [standard deviations]", k)?;
-        }
+    pub fn check(&self) -> loc_core::Result<()> {
+        self.loss.check()?;
         self.bias.check()
     }
 }

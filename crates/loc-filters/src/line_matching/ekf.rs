@@ -5,6 +5,9 @@ use super::model::{
 };
 use super::pairing::{Lines, Pair, WithBelief, in_order, most_likely};
 use super::{FieldOfView, LineMatchingSettings, LinePairing, PredictedLine};
+/// Fewer lines say nothing about whether the robot is lost.
+const MIN_LINES: usize = 2;
+
 use crate::association::{AssociationSettings, Associator};
 use crate::delayed::Sequential;
 use crate::localizer::{Decision, Estimate, Localizer, Outcome};
@@ -59,7 +62,8 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
             let expected = "a map with at least one line";
             return Err(loc_core::Error::Length { what: "line map", expected, found: 0 }.into());
         }
-        let gate = settings.gate()?;
+        settings.check()?;
+        let gate = Gate::probability(settings.robot.gate_probability)?;
         let systematic = settings.systematic;
         let start = with_odometry(&start, systematic.drift, systematic.scale);
         let filter = F::start(start, &[2])?;
@@ -139,8 +143,8 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
         let since_fit = self.path.get_or_insert(DrivenPath::starting_at(pose));
         let mut path = DrivenPath::starting_at(since_fit.end());
         path.extend(pose);
-        let variances = self.settings.motion.variances(&path);
-        let wander = self.settings.systematic.wander(path.length());
+        let variances = self.settings.robot.path.variances(&path);
+        let wander = self.settings.systematic.changes(path.length());
         self.filter.predict(&OdometryStep { path, variances, wander })?;
         since_fit.extend(pose);
         Ok(())
@@ -169,7 +173,7 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
     ) -> Result<LineUpdate> {
         crate::innovation::finite("mounting of the laser", &mounting.to_vector())?;
         seen.iter().try_for_each(check)?;
-        let motion = &self.settings.motion;
+        let motion = &self.settings.robot.path;
         let min_sigmas = [motion.min_position, motion.min_position, motion.min_heading];
         let mut attempt = self.attempt(&seen, view, mounting, min_sigmas.into())?;
         if attempt.fits == Some(false) && motion.fault_probability > 0.0 {
@@ -218,7 +222,7 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
         let LinePairing::Rule(rule) = self.settings.pairing else {
             return most_likely(lines, belief, &self.gate);
         };
-        let gate_probability = self.settings.gate_probability;
+        let gate_probability = self.settings.robot.gate_probability;
         let settings = AssociationSettings { rule, gate_probability, ..Default::default() };
         let found = Associator::new(settings)?.associate(&WithBelief { lines, belief })?;
         let partners = found.partners.into_iter().enumerate();
@@ -228,7 +232,7 @@ impl<F: NonlinearFilter<STATES>> LineFilter<F> {
 
     /// Whether a scan fits; `None` where it has too few lines to tell.
     fn fits(&self, seen: &[Line], pairs: &[Option<LinePair>]) -> Option<bool> {
-        let enough = seen.len() >= self.settings.lost.min_lines;
+        let enough = seen.len() >= MIN_LINES;
         let share = matched_share(seen, pairs).filter(|_| enough)?;
         Some(share >= self.settings.lost.min_share)
     }

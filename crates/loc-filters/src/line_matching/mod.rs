@@ -38,39 +38,37 @@ pub use ekf::{LineEkf, LineFilter, LinePair, LineUkf, LineUpdate, Tracking};
 pub use model::{FieldOfView, LineModel, PredictedLine, STATES};
 
 use crate::association::Rule;
-use crate::{Gate, Result};
+use crate::RobotSettings;
 use loc_core::error::{non_negative, positive, probability};
 use loc_core::motion::PathNoise;
 use loc_sensors::features::LineExtractor;
 use nalgebra::Vector2;
 
-/// Settings of line matching, with defaults for a small indoor robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
-pub struct LineMatchingSettings {
-    /// How far odometry may be off.
-    pub motion: PathNoise,
-    /// What odometry may get wrong all the time; the filter finds out.
-    pub systematic: SystematicErrors,
-    /// How lines are found in scans, and what the scanner's noise is.
-    pub extractor: LineExtractor,
-    /// How far each end of a map line may be off across it, as a standard deviation \[m\]: 0 for
-    /// a drawing, about one cell for lines that were found in a grid.
-    pub map_sigma: f64,
-    /// Map lines that are shorter are not matched; they still hide others \[m\].
-    pub min_map_length: f64,
-    /// How pairs are found.
-    pub pairing: LinePairing,
-    /// Share of right pairs of lines that the gate lets pass, 1 for no gate.
-    pub gate_probability: f64,
-    /// The share of the shorter of two lines that must lie beside the other one.
-    pub min_overlap: f64,
-    /// How far a wall may be seen beyond the stretch that is predicted, two standard deviations of
-    /// the position beside \[m\].
-    pub slack: f64,
-    /// When the robot counts as lost.
-    pub lost: LostSettings,
+loc_core::settings! {
+    /// Settings of line matching, with defaults for a small indoor robot.
+    #[derive(Copy)]
+    pub struct LineMatchingSettings {
+        /// The robot and its sensors.
+        pub robot: RobotSettings = RobotSettings::default() => check;
+        /// What odometry may get wrong all the time; the filter finds out.
+        pub systematic: SystematicErrors = SystematicErrors::default() => check;
+        /// How lines are found in scans, and what the scanner's noise is.
+        pub extractor: LineExtractor = LineExtractor { min_points: 6, ..LineExtractor::default() } => check;
+        /// How far each end of a map line may be off across it, as a standard deviation \[m\]: 0 for
+        /// a drawing, about one cell for lines that were found in a grid.
+        pub map_sigma: f64 = 0.0 => non_negative;
+        /// Map lines that are shorter are not matched; they still hide others \[m\].
+        pub min_map_length: f64 = 0.3 => positive;
+        /// How pairs are found.
+        pub pairing: LinePairing = LinePairing::default() => any;
+        /// The share of the shorter of two lines that must lie beside the other one.
+        pub min_overlap: f64 = 0.5 => probability;
+        /// How far a wall may be seen beyond the stretch that is predicted, two standard deviations of
+        /// the position beside \[m\].
+        pub slack: f64 = 0.3 => non_negative;
+        /// When the robot counts as lost.
+        pub lost: LostSettings = LostSettings::default() => check;
+    }
 }
 
 /// How the lines of a scan are paired with those of the map.
@@ -85,93 +83,41 @@ pub enum LinePairing {
     Rule(Rule),
 }
 
-/// Systematic errors of an odometry, as standard deviations about none; 0 for an error that it does
-/// not have.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
-pub struct SystematicErrors {
-    /// Drift of the heading, as of wheels that are not of one size \[rad/m\].
-    pub drift: f64,
-    /// Error of distances, as of wheels of another size \[-\].
-    pub scale: f64,
-    /// How much both change over 1 m of path, as a share of the above.
-    pub wander: f64,
-}
-
-/// When line matching says that it has lost the robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
-pub struct LostSettings {
-    /// A scan fits where at least this share of its lines has partners, by length.
-    pub min_share: f64,
-    /// Fewer lines say nothing about it.
-    pub min_lines: usize,
-    /// After so many scans in a row that do not fit, the robot is lost.
-    pub scans: usize,
-}
-
-impl LineMatchingSettings {
-    /// Checks every value.
+loc_core::settings! {
+    /// Systematic errors of an odometry, as standard deviations about none; 0 for an error that it does
+    /// not have.
     ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first one that is not allowed.
-    pub fn check(&self) -> Result<()> {
-        self.gate().map(|_| ())
-    }
-
-    /// Checks every value and computes the gate.
-    fn gate(&self) -> Result<Gate> {
-        self.motion.validate()?;
-        non_negative("systematic drift of the heading [rad/m]", self.systematic.drift)?;
-        non_negative("systematic error of distances", self.systematic.scale)?;
-        non_negative("change of systematic errors on 1 m", self.systematic.wander)?;
-        self.extractor.check()?;
-        non_negative("sigma of the ends of map lines [m]", self.map_sigma)?;
-        positive("least length of map lines [m]", self.min_map_length)?;
-        probability("least overlap of lines", self.min_overlap)?;
-        non_negative("slack of the ends of walls [m]", self.slack)?;
-        probability("least share of matched lines", self.lost.min_share)?;
-        Gate::probability(self.gate_probability)
+    /// 2 degrees per metre and 3 %, of which a fiftieth may change on each metre.
+    #[derive(Copy)]
+    pub struct SystematicErrors {
+        /// Drift of the heading, as of wheels that are not of one size \[rad/m\].
+        #[serde(with = "loc_core::settings::angle_per_m")]
+        pub drift: f64 = 2_f64.to_radians() => non_negative;
+        /// Error of distances, as of wheels of another size \[-\].
+        pub scale: f64 = 0.03 => non_negative;
+        /// How much both change over 1 m of path, as a share of the above.
+        pub wander: f64 = 0.02 => non_negative;
     }
 }
 
-impl Default for LineMatchingSettings {
-    fn default() -> Self {
-        LineMatchingSettings {
-            motion: PathNoise::default(),
-            systematic: SystematicErrors::default(),
-            extractor: LineExtractor { min_points: 6, ..LineExtractor::default() },
-            map_sigma: 0.0,
-            min_map_length: 0.3,
-            pairing: LinePairing::default(),
-            gate_probability: 0.999,
-            min_overlap: 0.5,
-            slack: 0.3,
-            lost: LostSettings::default(),
-        }
+loc_core::settings! {
+    /// When line matching says that it has lost the robot.
+    ///
+    /// Ten scans in a row of which less than a third of the lines, by length, has partners.
+    #[derive(Copy)]
+    pub struct LostSettings {
+        /// A scan fits where at least this share of its lines has partners, by length.
+        pub min_share: f64 = 1.0 / 3.0 => probability;
+        /// After so many scans in a row that do not fit, the robot is lost.
+        pub scans: usize = 10 => at_least(1);
     }
 }
 
 impl SystematicErrors {
     /// Variances that drift and scale gain over a path length \[m\].
-    fn wander(&self, length: f64) -> Vector2<f64> {
+    fn changes(&self, length: f64) -> Vector2<f64> {
         let change = |sigma: f64| (sigma * self.wander).powi(2) * length;
         Vector2::new(change(self.drift), change(self.scale))
     }
 }
 
-impl Default for SystematicErrors {
-    /// 2 degrees per metre and 3 %, of which a fiftieth may change on each metre.
-    fn default() -> Self {
-        SystematicErrors { drift: 2_f64.to_radians(), scale: 0.03, wander: 0.02 }
-    }
-}
-
-impl Default for LostSettings {
-    /// Ten scans in a row of which less than a third of the lines, by length, has partners.
-    fn default() -> Self {
-        LostSettings { min_share: 1.0 / 3.0, min_lines: 2, scans: 10 }
-    }
-}

@@ -3,35 +3,16 @@
 use super::state::{LargeState, Row};
 use crate::delayed::{Clock, Sequential};
 use crate::localizer::{Decision, Estimate, EstimatedMap, Localizer, Outcome};
-use crate::slam::MapLandmark;
+use crate::RobotSettings;
+use crate::slam::{MapLandmark, SlamSettings};
 use crate::{Gate, Innovation, Result};
 use loc_core::error::non_negative;
 use loc_core::gaussian::cholesky;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_sensors::event::{Control, Measurement};
-use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
+use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{DMatrix, Matrix2, Matrix3, Point2, Rotation2, Vector2};
 use std::collections::BTreeMap;
-
-/// Settings of linear SLAM.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
-pub struct LinearSlamSettings {
-    /// Variance of the displacement along each axis, per metre of it \[m^2/m\].
-    pub k_d: f64,
-    /// Share of right observations that the gate lets pass, 1 for no gate.
-    pub gate_probability: f64,
-    /// The map takes no more landmarks than this.
-    pub max_landmarks: usize,
-}
-
-impl Default for LinearSlamSettings {
-    /// 5 cm after 1 m.
-    fn default() -> Self {
-        LinearSlamSettings { k_d: 0.0025, gate_probability: 0.999, max_landmarks: 3000 }
-    }
-}
 
 /// A numbered landmark as the robot sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,10 +30,10 @@ pub struct RelativeObservation {
 ///
 /// ```
 /// use loc_core::Gaussian;
-/// use loc_filters::slam::{LinearSlam, LinearSlamSettings, RelativeObservation};
+/// use loc_filters::slam::{LinearSlam, RelativeObservation, SlamSettings};
 /// use nalgebra::{Matrix2, Vector2};
 /// let start = Gaussian::certain(Vector2::zeros());
-/// let mut slam = LinearSlam::new(start, LinearSlamSettings::default())?;
+/// let mut slam = LinearSlam::new(start, SlamSettings::default())?;
 /// let covariance = Matrix2::identity() * 0.0025;
 /// let see = |x| RelativeObservation { landmark: 1, offset: Vector2::new(x, 2.0), covariance };
 /// slam.correct(&[see(3.0)])?;
@@ -64,7 +45,7 @@ pub struct RelativeObservation {
 #[derive(Debug, Clone)]
 pub struct LinearSlam {
     state: LargeState<2>,
-    settings: LinearSlamSettings,
+    settings: SlamSettings,
     gate: Gate,
     numbers: BTreeMap<u32, usize>,
 }
@@ -74,15 +55,15 @@ impl LinearSlam {
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief or settings that are not valid.
-    pub fn new(start: Gaussian<2>, settings: LinearSlamSettings) -> Result<Self> {
-        non_negative("k_d [m^2/m]", settings.k_d)?;
-        let gate = Gate::probability(settings.gate_probability)?;
+    pub fn new(start: Gaussian<2>, settings: SlamSettings) -> Result<Self> {
+        settings.check()?;
+        let gate = Gate::probability(settings.robot.gate_probability)?;
         let state = LargeState::new(start.mean, start.covariance)?;
         Ok(LinearSlam { state, settings, gate, numbers: BTreeMap::new() })
     }
 
     /// Prediction with a velocity (vx, vy) \[m/s\] for `dt` \[s\]: `A = I`, `B = T I`, and a variance
-    /// of `k_d |v_i| T` along each axis.
+    /// of `k_d |v_i| T` (E7) along each axis.
     ///
     /// # Errors
     /// [`crate::Error::NotFinite`] for the velocity, [`loc_core::Error::OutOfRange`] for a negative
@@ -90,7 +71,7 @@ impl LinearSlam {
     pub fn predict(&mut self, velocity: Vector2<f64>, dt: f64) -> Result<()> {
         crate::innovation::finite("velocity", &velocity)?;
         let way = velocity * non_negative("time step [s]", dt)?;
-        let noise = Matrix2::from_diagonal(&(self.settings.k_d * way.abs()));
+        let noise = Matrix2::from_diagonal(&(self.settings.robot.odometry.k_d() * way.abs()));
         self.state.propagate(self.state.robot() + way, &Matrix2::identity(), &noise)
     }
 
@@ -163,7 +144,7 @@ impl LinearSlam {
             }
             return Ok(Some(innovation));
         }
-        if self.state.len() < self.settings.max_landmarks {
+        if self.state.len() < self.settings.map.max_landmarks {
             let position = Point2::from(self.state.robot() + observation.offset);
             self.state.push(position, &Matrix2::identity(), &observation.covariance)?;
             self.numbers.insert(observation.landmark, self.state.len() - 1);
@@ -229,22 +210,18 @@ fn whitened_rows(
 pub struct LinearSlamLocalizer {
     slam: LinearSlam,
     heading: f64,
-    mounting: Pose2,
-    noise: LandmarkNoise,
+    robot: RobotSettings,
     clock: Clock,
     twist: Twist2,
 }
 
 impl LinearSlamLocalizer {
-    /// A localizer without a map that stands still at `stamp` \[s\] with a belief over (x, y, theta),
-    /// and a camera at `mounting` (`base_from_camera`).
+    /// A localizer without a map that stands still at `stamp` \[s\] with a belief over (x, y, theta).
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
     pub fn new(
-        settings: LinearSlamSettings,
-        mounting: Pose2,
-        noise: LandmarkNoise,
+        settings: SlamSettings,
         stamp: f64,
         start: &Gaussian<3>,
     ) -> Result<Self> {
@@ -255,7 +232,7 @@ impl LinearSlamLocalizer {
         let start = Gaussian { mean: turn * position.mean, covariance };
         let slam = LinearSlam::new(start, settings)?;
         let clock = Clock::starting_at(stamp)?;
-        Ok(LinearSlamLocalizer { slam, heading, mounting, noise, clock, twist: Twist2::ZERO })
+        Ok(LinearSlamLocalizer { slam, heading, robot: settings.robot, clock, twist: Twist2::ZERO })
     }
 
     fn predict_to(&mut self, what: &'static str, stamp: f64) -> Result<()> {
@@ -269,12 +246,12 @@ impl LinearSlamLocalizer {
     /// The landmark from the robot's centre; `None` without a range and a bearing.
     fn relative(&self, observation: &LandmarkObservation) -> Option<RelativeObservation> {
         let Observed::RangeBearing { range, bearing } = observation.sight else { return None };
-        let direction = bearing + self.mounting.theta;
+        let direction = bearing + self.robot.mounting.theta;
         let along = Vector2::new(direction.cos(), direction.sin());
-        let offset = Vector2::new(self.mounting.x, self.mounting.y) + range * along;
-        let sigma = self.noise.range_sigma_at(range);
+        let offset = Vector2::new(self.robot.mounting.x, self.robot.mounting.y) + range * along;
+        let sigma = self.robot.camera.range_sigma_at(range);
         // A landmark at the camera has no bearing; its position is still as good as the range.
-        let across = (self.noise.bearing_sigma * range).max(1e-3 * sigma);
+        let across = (self.robot.camera.bearing_sigma * range).max(1e-3 * sigma);
         let axes = Matrix2::new(along.x, -along.y, along.y, along.x);
         let variances = Matrix2::from_diagonal(&Vector2::new(sigma * sigma, across * across));
         let covariance = axes * variances * axes.transpose();

@@ -30,7 +30,7 @@ mod linear;
 mod state;
 
 pub use ekf::{EkfSlam, Identities, Jacobians, MapLandmark, MapSettings, SlamSettings};
-pub use linear::{LinearSlam, LinearSlamLocalizer, LinearSlamSettings, RelativeObservation};
+pub use linear::{LinearSlam, LinearSlamLocalizer, RelativeObservation};
 
 use crate::Result;
 use crate::delayed::{Clock, Sequential};
@@ -85,7 +85,7 @@ impl Localizer for SlamLocalizer {
         let dt = self.clock.advance("observations", stamp)?;
         self.slam.predict(self.twist, dt)?;
         let mut outcomes = self.slam.correct(observations)?;
-        let camera = self.slam.pose()?.pose() * self.slam.settings().mounting;
+        let camera = self.slam.pose()?.pose() * self.slam.settings().robot.mounting;
         for (outcome, observation) in outcomes.iter_mut().zip(observations) {
             outcome.observed_at = observed_position(camera, observation);
         }

@@ -4,7 +4,7 @@ use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::delayed::Delayed;
-use loc_filters::landmark::{LandmarkEkf, LandmarkLocalizer, LandmarkSettings};
+use loc_filters::landmark::{LandmarkEkf, LandmarkLocalizer, RobotSettings};
 use loc_filters::localizer::{Decision, Localizer};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::{
@@ -35,7 +35,7 @@ fn one_step_against_plain_matrices() {
     )
     .unwrap();
     let settings =
-        LandmarkSettings { integration: Integration::Euler, ..LandmarkSettings::default() };
+        RobotSettings { integration: Integration::Euler, ..RobotSettings::default() };
     let mut ekf = LandmarkEkf::new(start, settings).unwrap();
     ekf.predict(twist, dt).unwrap();
     ekf.correct(&map(), &see(1, 3.4, -0.25)).unwrap();
@@ -81,7 +81,7 @@ fn one_step_against_plain_matrices() {
 #[test]
 fn unknown_landmarks_and_outliers_change_nothing() {
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
-    let mut ekf = LandmarkEkf::new(start, LandmarkSettings::default()).unwrap();
+    let mut ekf = LandmarkEkf::new(start, RobotSettings::default()).unwrap();
     let unknown = ekf.correct(&map(), &see(77, 4.0, 0.0)).unwrap();
     assert_eq!((unknown.decision, unknown.nis), (Decision::UnknownLandmark, None));
     let wrong_number = ekf.correct(&map(), &see(2, 4.0, 0.0)).unwrap();
@@ -98,7 +98,7 @@ fn unknown_landmarks_and_outliers_change_nothing() {
     assert!(ekf.predict(Twist2::ZERO, -0.1).is_err());
     assert_eq!(*ekf.belief(), start);
     let noiseless =
-        LandmarkSettings { observation_noise: LandmarkNoise::NONE, ..LandmarkSettings::default() };
+        RobotSettings { observation_noise: LandmarkNoise::NONE, ..RobotSettings::default() };
     assert!(LandmarkEkf::new(start, noiseless).is_err());
 }
 
@@ -110,7 +110,7 @@ fn each_kind_of_sight_finds_the_pose() {
         let camera =
             LandmarkCamera { kind, noise: LandmarkNoise::NONE, ..LandmarkCamera::default() };
         let start = pose_belief(Pose2::new(0.5, -0.1, 0.3), [0.3, 0.3, 0.1]);
-        let mut ekf = LandmarkEkf::new(start, LandmarkSettings::default()).unwrap();
+        let mut ekf = LandmarkEkf::new(start, RobotSettings::default()).unwrap();
         for _ in 0..20 {
             for observation in camera.observe(&map(), truth, &mut stream(1, "camera")) {
                 assert!(ekf.correct(&map(), &observation).unwrap().accepted());
@@ -128,7 +128,7 @@ fn late_measurements_end_where_punctual_ones_do() {
     let camera = LandmarkCamera { max_range: 20.0, ..LandmarkCamera::default() };
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
     let make = || {
-        let robot = LandmarkLocalizer::new(map(), LandmarkSettings::default(), 0.0, start);
+        let robot = LandmarkLocalizer::new(map(), RobotSettings::default(), 0.0, start);
         Delayed::new(robot.unwrap(), 2.0).unwrap()
     };
     let (mut punctual, mut late) = (make(), make());
@@ -167,7 +167,7 @@ fn late_measurements_end_where_punctual_ones_do() {
 #[test]
 fn estimates_between_inputs_follow_the_held_velocity() {
     let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
-    let robot = LandmarkLocalizer::new(map(), LandmarkSettings::default(), 10.0, start);
+    let robot = LandmarkLocalizer::new(map(), RobotSettings::default(), 10.0, start);
     let mut robot = Delayed::new(robot.unwrap(), 2.0).unwrap();
     robot.velocity(10.0, Twist2::forward(1.0, 0.0)).unwrap();
     robot.velocity(12.0, Twist2::ZERO).unwrap();

@@ -8,7 +8,7 @@ use loc_filters::Localizer;
 use loc_filters::delayed::Sequential;
 use loc_filters::extended::LinearizedMotion;
 use loc_filters::kalman::{KalmanFilter, LinearMeasurement, LinearMotion};
-use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings};
+use loc_filters::landmark::{LandmarkLocalizer, RobotSettings};
 use loc_filters::localizer::Estimate;
 use loc_filters::smoother::{Link, Recorded, Smoothable, Smoother};
 use loc_filters::{Error, ExtendedKalmanFilter, Gate, NonlinearFilter, UnscentedKalmanFilter};
@@ -285,7 +285,7 @@ struct Drive {
 
 fn drive<F: NonlinearFilter<3>>(seed: u64) -> Drive {
     let motion_noise = VelocityNoise::from_sigmas(0.05, 0.1, 0.05).unwrap();
-    let settings = LandmarkSettings { motion_noise, ..LandmarkSettings::default() };
+    let settings = RobotSettings { motion_noise, ..RobotSettings::default() };
     let map = LandmarkMap::new([
         Landmark::planar(1, 4.0, 0.5),
         Landmark::planar(2, 3.0, 4.0),
@@ -409,7 +409,7 @@ fn inputs_out_of_order_are_refused() {
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.1]);
     let mut drive = LandmarkLocalizer::<Recorded<ExtendedKalmanFilter<3>, 3>>::with_filter(
         map,
-        LandmarkSettings::default(),
+        RobotSettings::default(),
         5.0,
         start,
     )

@@ -4,30 +4,31 @@ use super::tiles::Codes;
 use super::{LikelihoodField, Scale};
 use crate::grid::{Cell, Occupancy, OccupancyGrid, UNKNOWN};
 use crate::{DistanceMap, Result};
+use loc_core::error::positive;
 
-/// Settings of a likelihood field; the defaults are those of nav2_amcl for a sensor of 12 m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct LikelihoodFieldSettings {
-    /// Standard deviation of the distance between a beam's end and its obstacle \[m\]
-    /// (`sigma_hit`).
-    pub sigma_hit: f64,
-    /// Share of the beams that end on an obstacle of the map (`z_hit`).
-    pub z_hit: f64,
-    /// Share of the beams that end anywhere (`z_rand`).
-    pub z_rand: f64,
-    /// The range over which those are spread \[m\] (`laser_max_range`).
-    pub max_range: f64,
-    /// Farther from all obstacles than this, the likelihood stays as it is there \[m\]
-    /// (`laser_likelihood_max_dist`).
-    pub max_distance: f64,
-    /// Which occupied cells a beam may end on.
-    pub obstacles: Obstacles,
-    /// What the likelihood is in unknown cells.
-    pub unknown_space: UnknownSpace,
-    /// What the likelihood is off the map.
-    pub off_map: OffMap,
+loc_core::settings! {
+    /// Settings of a likelihood field; the defaults are those of nav2_amcl for a sensor of 12 m.
+    #[derive(Copy)]
+    pub struct LikelihoodFieldSettings {
+        /// Standard deviation of the distance between a beam's end and its obstacle \[m\]
+        /// (`sigma_hit`).
+        pub sigma_hit: f64 = 0.2 => positive;
+        /// Share of the beams that end on an obstacle of the map (`z_hit`).
+        pub z_hit: f64 = 0.5 => non_negative;
+        /// Share of the beams that end anywhere (`z_rand`).
+        pub z_rand: f64 = 0.5 => positive;
+        /// The range over which those are spread \[m\] (`laser_max_range`).
+        pub max_range: f64 = 12.0 => positive;
+        /// Farther from all obstacles than this, the likelihood stays as it is there \[m\]
+        /// (`laser_likelihood_max_dist`).
+        pub max_distance: f64 = 2.0 => positive;
+        /// Which occupied cells a beam may end on.
+        pub obstacles: Obstacles = Obstacles::default() => any;
+        /// What the likelihood is in unknown cells.
+        pub unknown_space: UnknownSpace = UnknownSpace::default() => check;
+        /// What the likelihood is off the map.
+        pub off_map: OffMap = OffMap::default() => check;
+    }
 }
 
 /// Which occupied cells a beam may end on.
@@ -55,6 +56,32 @@ pub enum UnknownSpace {
     Likelihood(f64),
 }
 
+impl UnknownSpace {
+    /// Checks the likelihood.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] unless it is above 0.
+    pub fn check(&self) -> loc_core::Result<()> {
+        if let UnknownSpace::Likelihood(likelihood) = *self {
+            positive("unknown_space likelihood [1/m]", likelihood)?;
+        }
+        Ok(())
+    }
+}
+
+impl OffMap {
+    /// Checks the likelihood.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] unless it is above 0.
+    pub fn check(&self) -> loc_core::Result<()> {
+        if let OffMap::Likelihood(likelihood) = *self {
+            positive("off_map likelihood [1/m]", likelihood)?;
+        }
+        Ok(())
+    }
+}
+
 /// What the likelihood of a beam's end is off the map.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -65,21 +92,6 @@ pub enum OffMap {
     Far,
     /// This constant \[1/m\]; `1 / max_range` says that nothing is known there.
     Likelihood(f64),
-}
-
-impl Default for LikelihoodFieldSettings {
-    fn default() -> Self {
-        LikelihoodFieldSettings {
-            sigma_hit: 0.2,
-            z_hit: 0.5,
-            z_rand: 0.5,
-            max_range: 12.0,
-            max_distance: 2.0,
-            obstacles: Obstacles::default(),
-            unknown_space: UnknownSpace::default(),
-            off_map: OffMap::default(),
-        }
-    }
 }
 
 impl LikelihoodFieldSettings {
@@ -107,26 +119,6 @@ impl LikelihoodFieldSettings {
         self.sigma_hit * std::f64::consts::TAU.sqrt()
     }
 
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed. `z_rand` may not be
-    /// 0: a single beam off the map would rule out the true pose.
-    pub fn validate(&self) -> Result<()> {
-        use loc_core::error::{non_negative, positive};
-        positive("sigma_hit [m]", self.sigma_hit)?;
-        non_negative("z_hit", self.z_hit)?;
-        positive("z_rand", self.z_rand)?;
-        positive("max_range [m]", self.max_range)?;
-        positive("max_distance [m]", self.max_distance)?;
-        if let UnknownSpace::Likelihood(likelihood) = self.unknown_space {
-            positive("unknown_space likelihood [1/m]", likelihood)?;
-        }
-        if let OffMap::Likelihood(likelihood) = self.off_map {
-            positive("off_map likelihood [1/m]", likelihood)?;
-        }
-        Ok(())
-    }
 }
 
 /// Squared distances \[cells^2\] of which the code is looked up; those above are computed.
@@ -136,7 +128,7 @@ pub(super) fn build(
     grid: &OccupancyGrid,
     settings: &LikelihoodFieldSettings,
 ) -> Result<LikelihoodField> {
-    settings.validate()?;
+    settings.check()?;
     let distances = match settings.obstacles {
         Obstacles::OccupiedCells => DistanceMap::new(grid, settings.max_distance)?,
         Obstacles::Surfaces => DistanceMap::new(&surfaces(grid)?, settings.max_distance)?,

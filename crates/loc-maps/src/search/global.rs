@@ -78,7 +78,7 @@ impl SearchSettings {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] and [`loc_core::Error::Length`] naming the first that is not
     /// allowed.
-    pub fn validate(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         let step = |step: f64| (0.001..=1.0).contains(&step);
         in_range("angle_step [rad]", "0.001 to 1", self.angle_step, step)?;
         if self.candidates == 0 {
@@ -133,7 +133,7 @@ impl GlobalSearch {
         field: LikelihoodField,
         settings: SearchSettings,
     ) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         if field.frame() != map.frame() {
             return Err(Error::OtherFrame);
         }

@@ -80,9 +80,9 @@ impl LostMonitor {
     /// A monitor with even odds that the start is right.
     ///
     /// # Errors
-    /// Those of [`LostSettings::validate`].
+    /// Those of [`LostSettings::check`].
     pub fn new(settings: LostSettings) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         Ok(LostMonitor { settings, log_odds: 0.0, probability: 0.5 })
     }
 
@@ -134,42 +134,28 @@ fn log_odds(probability: f64) -> f64 {
     (probability / (1.0 - probability)).ln().clamp(-SUREST, SUREST)
 }
 
-/// Settings of a [`LostMonitor`].
-///
-/// The constants after `tolerance` belong together: they are the fit of the test
-/// `lost::fit_the_constants` to drives through simulated offices.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct LostSettings {
-    /// Maximum error of a reported pose that is not lost.
-    pub tolerance: Tolerance,
-    /// Share of the log odds that stays from one update to the next.
-    pub memory: f64,
-    /// Shift of the log odds by a scan that fits no better than at the best of the random poses,
-    /// with no beam blocked or near.
-    pub bias: f64,
-    /// Weight of the margin over the best of the random poses.
-    pub margin_weight: f64,
-    /// Weight of blocked beams.
-    pub blocked_weight: f64,
-    /// Weight of beams that end near obstacles.
-    pub near_weight: f64,
-    /// Exponent of the belief's own support: 0 for no influence.
-    pub support_exponent: f64,
-}
-
-impl Default for LostSettings {
-    fn default() -> Self {
-        LostSettings {
-            tolerance: Tolerance::default(),
-            memory: 0.625,
-            bias: -2.478,
-            margin_weight: 2.544,
-            blocked_weight: 1.246,
-            near_weight: 0.4545,
-            support_exponent: 1.089,
-        }
+loc_core::settings! {
+    /// Settings of a [`LostMonitor`].
+    ///
+    /// The constants after `tolerance` belong together: they are the fit of the test
+    /// `lost::fit_the_constants` to drives through simulated offices.
+    #[derive(Copy)]
+    pub struct LostSettings {
+        /// Maximum error of a reported pose that is not lost.
+        pub tolerance: Tolerance = Tolerance::default() => check;
+        /// Share of the log odds that stays from one update to the next.
+        pub memory: f64 = 0.625 => holds("from 0 to below 1", |lost| (0.0..1.0).contains(&lost.memory));
+        /// Shift of the log odds by a scan that fits no better than at the best of the random poses,
+        /// with no beam blocked or near.
+        pub bias: f64 = -2.478 => finite;
+        /// Weight of the margin over the best of the random poses.
+        pub margin_weight: f64 = 2.544 => non_negative;
+        /// Weight of blocked beams.
+        pub blocked_weight: f64 = 1.246 => non_negative;
+        /// Weight of beams that end near obstacles.
+        pub near_weight: f64 = 0.4545 => non_negative;
+        /// Exponent of the belief's own support: 0 for no influence.
+        pub support_exponent: f64 = 1.089 => non_negative;
     }
 }
 
@@ -178,21 +164,6 @@ impl Default for LostSettings {
 const STRAY: f64 = 0.02;
 
 impl LostSettings {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn validate(&self) -> Result<()> {
-        self.tolerance.validate()?;
-        let share = |memory: f64| (0.0..1.0).contains(&memory);
-        in_range("memory of the lost figure", "from 0 to below 1", self.memory, share)?;
-        finite("bias", self.bias)?;
-        non_negative("margin_weight", self.margin_weight)?;
-        non_negative("blocked_weight", self.blocked_weight)?;
-        non_negative("near_weight", self.near_weight)?;
-        non_negative("support_exponent", self.support_exponent)?;
-        Ok(())
-    }
 
     /// By how much a scan shifts the log odds of a wrong belief, see [`crate::confidence`].
     pub fn shift(&self, scan: &ScanFit<'_>) -> f64 {
@@ -203,34 +174,21 @@ impl LostSettings {
     }
 }
 
-/// Maximum error of a reported pose that does not count as lost.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct Tolerance {
-    /// Of the position \[m\].
-    pub distance: f64,
-    /// Of the heading \[rad\].
-    pub turn: f64,
-}
-
-impl Default for Tolerance {
+loc_core::settings! {
+    /// Maximum error of a reported pose that does not count as lost.
+    ///
     /// 0.5 m and 15 degrees.
-    fn default() -> Self {
-        Tolerance { distance: 0.5, turn: 15_f64.to_radians() }
+    #[derive(Copy)]
+    pub struct Tolerance {
+        /// Of the position \[m\].
+        pub distance: f64 = 0.5 => positive;
+        /// Of the heading \[rad\].
+        #[serde(with = "loc_core::settings::angle")]
+        pub turn: f64 = 15_f64.to_radians() => positive;
     }
 }
 
 impl Tolerance {
-    /// Checks both numbers.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first that is not positive.
-    pub fn validate(&self) -> Result<()> {
-        positive("tolerance of the position [m]", self.distance)?;
-        positive("tolerance of the heading [rad]", self.turn)?;
-        Ok(())
-    }
 
     /// Whether a pose is within the tolerance of the true one.
     pub fn holds(&self, reported: Pose2, truth: Pose2) -> bool {

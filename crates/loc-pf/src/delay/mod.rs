@@ -106,7 +106,7 @@ impl DelayEstimator {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for settings out of range.
     pub fn new(settings: DelaySettings) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         let (trace, waiting) = (Trace::default(), VecDeque::new());
         Ok(DelayEstimator { settings, trace, waiting, before: None, turns: Vec::new() })
     }
@@ -205,7 +205,7 @@ impl DelaySettings {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn validate(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         positive("longest delay [s]", self.longest)?;
         positive("shortest step between scans [s]", self.shortest_step)?;
         positive("longest step between scans [s]", self.longest_step)?;

@@ -49,7 +49,7 @@ impl LandmarkEstimate {
     pub(super) fn support(&mut self, moment: u64, map: &MapSettings) {
         self.seen_at = moment;
         self.observations = self.observations.saturating_add(1);
-        self.score = (self.score + 1.0).min(map.max_score);
+        self.score = (self.score + 1.0).min(map.max_score());
         self.confirmed |= self.score >= map.confirm_score;
     }
 

@@ -74,7 +74,7 @@ impl Localizer for FastSlamLocalizer {
         }
         self.predict_to("observations", stamp)?;
         let mut outcomes = self.slam.correct(observations)?;
-        let camera = self.slam.pose()?.pose() * self.slam.settings().mounting;
+        let camera = self.slam.pose()?.pose() * self.slam.settings().robot.mounting;
         for (outcome, observation) in outcomes.iter_mut().zip(observations) {
             outcome.observed_at = observed_position(camera, observation);
         }

@@ -99,13 +99,13 @@ impl FastSlam {
     /// # Errors
     /// [`loc_core::Error`] for a belief or settings that are not valid, [`crate::Error::Threads`].
     pub fn new(start: Gaussian<3>, settings: FastSlamSettings, rng: ChaCha8Rng) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         let mut start = Gaussian::new(start.mean, start.covariance)?;
         start.mean.z = loc_core::angle::wrap(start.mean.z);
         let count = settings.particles;
         let new_landmark_gate = Gate::probability(settings.map.new_landmark_probability)?;
         Ok(FastSlam {
-            gate: Gate::probability(settings.gate_probability)?,
+            gate: Gate::probability(settings.robot.gate_probability)?,
             new_landmark_gate: new_landmark_gate.threshold(2),
             associator: Associator::new(settings.association)?,
             particles: vec![Particle::new(start); count],

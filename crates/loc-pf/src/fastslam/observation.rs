@@ -141,7 +141,7 @@ impl Located {
         if range < Self::MIN_RANGE_WITH_BEARING {
             return None;
         }
-        let camera = pose * settings.mounting;
+        let camera = pose * settings.robot.mounting;
         let (sin, cos) = bearing.sin_cos();
         let mean = camera.transform(&Point2::new(range * cos, range * sin)).coords;
         let sigmas = settings.observation_variances(range).map(f64::sqrt);

@@ -247,7 +247,7 @@ impl Particle {
     pub(super) fn prune(&mut self, context: &Context<'_>) -> f64 {
         let mut log_likelihood = 0.0;
         let map = &context.settings.map;
-        let back = (self.pose() * context.settings.mounting).inverse();
+        let back = (self.pose() * context.settings.robot.mounting).inverse();
         let mut penalized = Vec::new();
         self.map.visit(&mut |slot, estimate| {
             let from_camera = back.transform(&estimate.position.mean.into());

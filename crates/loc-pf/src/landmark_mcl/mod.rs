@@ -113,7 +113,7 @@ impl LandmarkMcl {
         stamp: f64,
         rng: ChaCha8Rng,
     ) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         let (map, clock) = (map.into(), Clock::starting_at(stamp)?);
         let places = map.iter().map(|landmark| landmark.position.xy());
         let region = Bounds::around(places).map(|bounds| bounds.grown(settings.margin));
@@ -220,7 +220,7 @@ impl Localizer for LandmarkMcl {
     ) -> loc_filters::Result<Vec<Outcome>> {
         let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
         let update = self.update(stamp, observations)?;
-        let camera = self.belief_at(stamp)?.pose() * self.settings.sights.mounting;
+        let camera = self.belief_at(stamp)?.pose() * self.settings.robot.mounting;
         let outcome = |observation: &LandmarkObservation| {
             let trust = update.trust.iter().find(|trust| trust.observation == *observation);
             let is_trusted = trust.is_some_and(|trust| trust.probability >= TRUSTED);

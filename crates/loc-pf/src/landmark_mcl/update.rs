@@ -52,7 +52,7 @@ impl LandmarkMcl {
         if stamp <= from {
             return;
         }
-        let (integration, noise) = (self.settings.integration, &self.settings.motion_noise);
+        let (integration, noise) = (self.settings.robot.integration, &self.settings.robot.odometry);
         self.state.stamp = stamp;
         let Ok(segments) = segments(self.velocities.between(from, stamp), integration, noise)
         else {
@@ -204,7 +204,7 @@ impl LandmarkMcl {
     /// distribution (Silverman 1986), less for a wide belief, which is not normal.
     fn kernel_width(&self) -> f64 {
         let covariance = &self.state.belief.covariance;
-        let noise = &self.settings.sights.noise;
+        let noise = &self.settings.robot.camera;
         let largest = [noise.range_sigma, noise.range_sigma, noise.bearing_sigma];
         let suits = (0.8 / self.settings.particles as f64).powf(1.0 / 7.0);
         let limits = (0..3).map(|k| {

@@ -126,7 +126,7 @@ impl Mcl {
     /// # Errors
     /// Settings out of range, [`loc_maps::Error::NoFreeSpace`], [`crate::Error::Threads`].
     pub fn new(grid: &OccupancyGrid, settings: MclSettings, rng: ChaCha8Rng) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         let map = PreparedMap::new(grid, &settings)?;
         let mut belief = Belief::new(&settings, map.free_space.area(), rng)?;
         let workers = belief.filter.workers().clone();

@@ -46,11 +46,11 @@ impl Likelihood for Observation<'_> {
 pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
     match settings.sensor {
         SensorSettings::Beam(_) => {
-            let nearest = settings.min_range.max(scan.range_min);
+            let nearest = settings.robot.laser_min_range.max(scan.range_min);
             informative_beams_from(scan, nearest, settings.beams)
         }
         SensorSettings::LikelihoodField(_) => {
-            let range = settings.min_range..=settings.max_range;
+            let range = settings.robot.laser_min_range..=settings.robot.laser_max_range;
             // A beam with the maximum range has no return.
             let returned = |beam: &Beam| beam.range < scan.range_max;
             let beams = scan.beams().filter(|beam| range.contains(&beam.range) && returned(beam));

@@ -13,54 +13,52 @@ use loc_core::error::{non_negative, positive};
 use loc_core::motion::OdometryNoise;
 use loc_maps::likelihood_field::{LikelihoodFieldSettings, Obstacles};
 
-/// Settings of [`Mcl`](crate::Mcl).
-///
-/// In a file, the parts that may be missing (`novelty`, `tempering`, `recovery.suspicion`,
-/// `recovery.augmented`, `beam_skip`) are tables, or `false` for none and `true` for their
-/// defaults.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct MclSettings {
-    /// The number of particles.
-    pub particles: KldSettings,
-    /// Noise of the odometry.
-    pub motion: MotionSettings,
-    /// How scans rate poses.
-    pub sensor: SensorSettings,
-    /// Maximum number of beams of a scan that are used (`max_beams`).
-    pub beams: usize,
-    /// As how many independent beams a scan counts, if it has more: its beams see the same walls,
-    /// with the same errors of the map.
-    pub independent_beams: f64,
-    /// Beams shorter than this are not used \[m\] (`laser_min_range`).
-    pub min_range: f64,
-    /// Beams longer than this are not used by the likelihood field \[m\] (`laser_max_range`).
-    pub max_range: f64,
-    /// What is added to every range \[m\].
-    pub range_offset: RangeOffset,
-    /// Drops beams that people or new furniture cut short (K3); `None` for none.
-    #[cfg_attr(feature = "serde", serde(with = "optional"))]
-    pub novelty: Option<NoveltyFilter>,
-    /// Tempering of narrow likelihoods; `None` for the plain filter, which weights once.
-    #[cfg_attr(feature = "serde", serde(with = "optional"))]
-    pub tempering: Option<TemperingSettings>,
-    /// No update before the robot has driven this far \[m\] (`update_min_d`) ..
-    pub update_distance: f64,
-    /// .. or turned this much \[rad\] (`update_min_a`).
-    pub update_turn: f64,
-    /// How the plain filter draws particles.
-    pub resampling: Resampling,
-    /// When the plain filter draws particles.
-    pub policy: ResamplePolicy,
-    /// Recovery, and the search at the start.
-    pub recovery: RecoverySettings,
-    /// Clustering of the particles.
-    pub clusters: ClusterSettings,
-    /// When the robot counts as lost.
-    pub lost: LostSettings,
-    /// Number of threads; the results do not depend on it.
-    pub threads: usize,
+loc_core::settings! {
+    /// Settings of [`Mcl`](crate::Mcl).
+    ///
+    /// In a file, the parts that may be missing (`novelty`, `tempering`, `recovery.suspicion`,
+    /// `recovery.augmented`, `beam_skip`) are tables, or `false` for none and `true` for their
+    /// defaults.
+    pub struct MclSettings {
+        /// The robot and its sensors.
+        pub robot: RobotSettings = RobotSettings::default() => check;
+        /// The number of particles.
+        pub particles: KldSettings = KldSettings::default() => check;
+        /// Noise of the odometry.
+        pub motion: MotionSettings = MotionSettings::Path(PathNoise::default()) => check;
+        /// How scans rate poses.
+        pub sensor: SensorSettings = SensorSettings::LikelihoodField(FieldSettings::default()) => check;
+        /// Maximum number of beams of a scan that are used (`max_beams`).
+        pub beams: usize = 60 => at_least(1);
+        /// As how many independent beams a scan counts, if it has more: its beams see the same walls,
+        /// with the same errors of the map.
+        pub independent_beams: f64 = 20.0 => positive;
+        /// What is added to every range \[m\].
+        pub range_offset: RangeOffset = RangeOffset::default() => check;
+        /// Drops beams that people or new furniture cut short (K3); `None` for none.
+        #[serde(with = "optional")]
+        pub novelty: Option<NoveltyFilter> = None => each;
+        /// Tempering of narrow likelihoods; `None` for the plain filter, which weights once.
+        #[serde(with = "optional")]
+        pub tempering: Option<TemperingSettings> = Some(TemperingSettings::default()) => each;
+        /// No update before the robot has driven this far \[m\] (`update_min_d`) ..
+        pub update_distance: f64 = 0.1 => non_negative;
+        /// .. or turned this much \[rad\] (`update_min_a`).
+        #[serde(with = "loc_core::settings::angle")]
+        pub update_turn: f64 = 0.1 => non_negative;
+        /// How the plain filter draws particles.
+        pub resampling: Resampling = Resampling::default() => any;
+        /// When the plain filter draws particles.
+        pub policy: ResamplePolicy = ResamplePolicy::default() => check;
+        /// Recovery, and the search at the start.
+        pub recovery: RecoverySettings = RecoverySettings::default() => check;
+        /// Clustering of the particles.
+        pub clusters: ClusterSettings = ClusterSettings::default() => check;
+        /// When the robot counts as lost.
+        pub lost: LostSettings = LostSettings::default() => check;
+        /// Number of threads; the results do not depend on it.
+        pub threads: usize = 1 => any;
+    }
 }
 
 /// Noise of the odometry, by one of the models.
@@ -98,20 +96,22 @@ pub enum NoveltyFilter {
     Entropy(EntropyFilter),
 }
 
-/// Settings of the likelihood field model.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct FieldSettings {
-    /// The field; its `sigma_hit` is at least 20 times the square of a cell's side \[m\], which is
-    /// 0.05 m for cells of 0.05 m and 0.2 m for cells of 0.1 m.
-    #[cfg_attr(feature = "serde", serde(deserialize_with = "over_sharp"))]
-    pub field: LikelihoodFieldSettings,
-    /// How the beams of a scan are taken together.
-    pub weighting: Weighting,
-    /// Beam skipping: leaves out beams that end on objects that are not in the map.
-    #[cfg_attr(feature = "serde", serde(with = "optional"))]
-    pub beam_skip: Option<BeamSkip>,
+loc_core::settings! {
+    /// Settings of the likelihood field model.
+    ///
+    /// A sharper field than [`LikelihoodFieldSettings`] has by itself: the filter can follow it.
+    #[derive(Copy)]
+    pub struct FieldSettings {
+        /// The field; its `sigma_hit` is at least 20 times the square of a cell's side \[m\], which is
+        /// 0.05 m for cells of 0.05 m and 0.2 m for cells of 0.1 m.
+        #[serde(deserialize_with = "over_sharp")]
+        pub field: LikelihoodFieldSettings = field => check;
+        /// How the beams of a scan are taken together.
+        pub weighting: Weighting = Weighting::Product => any;
+        /// Beam skipping: leaves out beams that end on objects that are not in the map.
+        #[serde(with = "optional")]
+        pub beam_skip: Option<BeamSkip> = None => each;
+    }
 }
 
 /// How the beams of a scan are taken together.
@@ -126,20 +126,20 @@ pub enum Weighting {
     SumOfCubes,
 }
 
-/// How the robot is found again, and found at the start.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct RecoverySettings {
-    /// Searches the whole map for the scan at a start without pose and when the robot may be
-    /// elsewhere; without it, such a start spreads particles uniformly.
-    pub search: bool,
-    /// When to update_suspicion that the robot is elsewhere; `None` for never.
-    #[cfg_attr(feature = "serde", serde(with = "optional"))]
-    pub suspicion: Option<SuspicionSettings>,
-    /// Random particles by running averages of the evidence; `None` for none.
-    #[cfg_attr(feature = "serde", serde(with = "optional"))]
-    pub augmented: Option<AugmentedSettings>,
+loc_core::settings! {
+    /// How the robot is found again, and found at the start.
+    #[derive(Copy)]
+    pub struct RecoverySettings {
+        /// Searches the whole map for the scan at a start without pose and when the robot may be
+        /// elsewhere; without it, such a start spreads particles uniformly.
+        pub search: bool = true => any;
+        /// When to update_suspicion that the robot is elsewhere; `None` for never.
+        #[serde(with = "optional")]
+        pub suspicion: Option<SuspicionSettings> = suspicion => each;
+        /// Random particles by running averages of the evidence; `None` for none.
+        #[serde(with = "optional")]
+        pub augmented: Option<AugmentedSettings> = None => each;
+    }
 }
 
 impl Default for NoveltyFilter {
@@ -173,46 +173,6 @@ impl SensorSettings {
     }
 }
 
-impl Default for FieldSettings {
-    /// A sharper field than [`LikelihoodFieldSettings`] has by itself: the filter can follow it.
-    fn default() -> Self {
-        let field = sharp();
-        FieldSettings { field, weighting: Weighting::Product, beam_skip: None }
-    }
-}
-
-impl Default for RecoverySettings {
-    fn default() -> Self {
-        let suspicion = Some(SuspicionSettings::default());
-        RecoverySettings { search: true, suspicion, augmented: None }
-    }
-}
-
-impl Default for MclSettings {
-    fn default() -> Self {
-        MclSettings {
-            particles: KldSettings::default(),
-            motion: MotionSettings::Path(PathNoise::default()),
-            sensor: SensorSettings::LikelihoodField(FieldSettings::default()),
-            beams: 60,
-            independent_beams: 20.0,
-            min_range: 0.0,
-            max_range: 100.0,
-            range_offset: RangeOffset::default(),
-            novelty: None,
-            tempering: Some(TemperingSettings::default()),
-            update_distance: 0.1,
-            update_turn: 0.1,
-            resampling: Resampling::default(),
-            policy: ResamplePolicy::default(),
-            recovery: RecoverySettings::default(),
-            clusters: ClusterSettings::default(),
-            lost: LostSettings::default(),
-            threads: 1,
-        }
-    }
-}
-
 impl MclSettings {
     /// Whether the filter is to find out how much the ranges are short: the likelihoods of the
     /// field are multiplied.
@@ -222,49 +182,6 @@ impl MclSettings {
         is_product && self.range_offset == RangeOffset::Estimated
     }
 
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] and [`loc_core::Error::Length`] naming the first that is not
-    /// allowed.
-    pub fn validate(&self) -> Result<()> {
-        self.particles.validate()?;
-        match &self.motion {
-            MotionSettings::Path(noise) => noise.validate()?,
-            MotionSettings::Differential(noise) => {
-                let OdometryNoise { alpha1, alpha2, alpha3, alpha4 } = *noise;
-                for alpha in [alpha1, alpha2, alpha3, alpha4] {
-                    non_negative("alpha1 to alpha4 of the odometry", alpha)?;
-                }
-            }
-            MotionSettings::Omnidirectional(noise) => noise.check()?,
-        }
-        match &self.sensor {
-            SensorSettings::LikelihoodField(FieldSettings { field, beam_skip, .. }) => {
-                field.validate()?;
-                beam_skip.iter().try_for_each(BeamSkip::validate)?;
-            }
-            SensorSettings::Beam(beam) => beam.validate()?,
-        }
-        positive("beams", self.beams as f64)?;
-        positive("independent_beams", self.independent_beams)?;
-        non_negative("min_range [m]", self.min_range)?;
-        positive("max_range [m]", self.max_range)?;
-        non_negative("update_distance [m]", self.update_distance)?;
-        non_negative("update_turn [rad]", self.update_turn)?;
-        self.range_offset.validate()?;
-        match &self.novelty {
-            Some(NoveltyFilter::Distance(filter)) => filter.validate()?,
-            Some(NoveltyFilter::Entropy(filter)) => filter.validate()?,
-            None => {}
-        }
-        self.tempering.iter().try_for_each(TemperingSettings::validate)?;
-        self.recovery.suspicion.iter().try_for_each(SuspicionSettings::validate)?;
-        self.recovery.augmented.iter().try_for_each(AugmentedSettings::validate)?;
-        self.policy.validate()?;
-        self.lost.validate()?;
-        self.clusters.validate()
-    }
 }
 
 /// A sharper field than nav2_amcl's, on the surfaces of the walls: the filter can follow it.

@@ -113,49 +113,33 @@ impl Likelihood for SumOfCubes<'_> {
 /// share is then 0.015, and the pass costs little beside the rating.
 const ASKED: usize = 1024;
 
-/// Beam skipping (`do_beamskip` of nav2_amcl) and its settings; the defaults are those of
-/// nav2_amcl.
-///
-/// A person or a parcel shortens beams; those that end some `sigma_hit` before a wall pull the
-/// estimate until they touch it. So before a scan is rated, the particles vote on each beam: it is
-/// kept if enough of them see it end near an obstacle of the map. (Beams that end far from
-/// everything need no skipping here: they cost all poses the same.)
-///
-/// This is valid only while the particles are near the true pose. When they are not, almost all
-/// beams disagree, and they are the evidence for that: where more than `error_threshold` of them
-/// would be skipped, or the particles are wider than `distance`, all are kept. In a static world
-/// the beams of a tracked robot agree with the particles, and nearly all are kept too.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct BeamSkip {
-    /// How far from the nearest obstacle a beam may end to agree with a particle \[m\]
-    /// (`beam_skip_distance`); less than the field's `max_distance`, or no beam is skipped.
-    pub distance: f64,
-    /// A beam is kept if more than this share of the particles agrees with it
-    /// (`beam_skip_threshold`).
-    pub threshold: f64,
-    /// All beams are kept if at least this share would be skipped (`beam_skip_error_threshold`).
-    pub error_threshold: f64,
-}
-
-impl Default for BeamSkip {
-    fn default() -> Self {
-        BeamSkip { distance: 0.5, threshold: 0.3, error_threshold: 0.9 }
+loc_core::settings! {
+    /// Beam skipping (`do_beamskip` of nav2_amcl) and its settings; the defaults are those of
+    /// nav2_amcl.
+    ///
+    /// A person or a parcel shortens beams; those that end some `sigma_hit` before a wall pull the
+    /// estimate until they touch it. So before a scan is rated, the particles vote on each beam: it is
+    /// kept if enough of them see it end near an obstacle of the map. (Beams that end far from
+    /// everything need no skipping here: they cost all poses the same.)
+    ///
+    /// This is valid only while the particles are near the true pose. When they are not, almost all
+    /// beams disagree, and they are the evidence for that: where more than `error_threshold` of them
+    /// would be skipped, or the particles are wider than `distance`, all are kept. In a static world
+    /// the beams of a tracked robot agree with the particles, and nearly all are kept too.
+    #[derive(Copy)]
+    pub struct BeamSkip {
+        /// How far from the nearest obstacle a beam may end to agree with a particle \[m\]
+        /// (`beam_skip_distance`); less than the field's `max_distance`, or no beam is skipped.
+        pub distance: f64 = 0.5 => positive;
+        /// A beam is kept if more than this share of the particles agrees with it
+        /// (`beam_skip_threshold`).
+        pub threshold: f64 = 0.3 => probability;
+        /// All beams are kept if at least this share would be skipped (`beam_skip_error_threshold`).
+        pub error_threshold: f64 = 0.9 => probability;
     }
 }
 
 impl BeamSkip {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn validate(&self) -> Result<()> {
-        positive("beam_skip_distance [m]", self.distance)?;
-        probability("beam_skip_threshold", self.threshold)?;
-        probability("beam_skip_error_threshold", self.error_threshold)?;
-        Ok(())
-    }
 
     /// For each beam of a scan whether it is kept. The result depends on the order of the poses
     /// where there are more than 1024, not on threads.

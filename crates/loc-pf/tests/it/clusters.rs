@@ -249,7 +249,7 @@ fn bad_particles_give_nothing_and_never_nan() {
 #[test]
 fn settings_out_of_range_are_refused() {
     let good = ClusterSettings::default();
-    assert!(good.validate().is_ok());
+    assert!(good.check().is_ok());
     for bad in [
         ClusterSettings { cell: 0.0, ..good },
         ClusterSettings { cell: f64::NAN, ..good },

@@ -166,11 +166,11 @@ fn beam_skip_costs_nothing_without_people() {
 #[test]
 fn bad_beam_skips_are_refused() {
     let good = BeamSkip::default();
-    assert!(good.validate().is_ok());
+    assert!(good.check().is_ok());
     let bad = [
         BeamSkip { distance: 0.0, ..good },
         BeamSkip { threshold: 1.1, ..good },
         BeamSkip { error_threshold: f64::NAN, ..good },
     ];
-    assert!(bad.iter().all(|skip| skip.validate().is_err()));
+    assert!(bad.iter().all(|skip| skip.check().is_err()));
 }

@@ -134,7 +134,7 @@ fn what_cannot_be_fitted_is_refused() {
         .collect();
     let fit = fit_beam_model(&exact, &start).unwrap();
     assert!(fit.settings.z_hit > 0.98 && fit.settings.sigma_hit >= 1e-3, "{fit:?}");
-    assert!(fit.settings.validate().is_ok());
+    assert!(fit.settings.check().is_ok());
 }
 
 #[test]

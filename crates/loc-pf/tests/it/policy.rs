@@ -37,9 +37,9 @@ fn variance_of_the_weights_is_that_of_its_definition() {
 
 #[test]
 fn thresholds_are_checked() {
-    assert!(ResamplePolicy::default().validate().is_ok());
+    assert!(ResamplePolicy::default().check().is_ok());
     for share in [-0.1, 1.1, f64::NAN] {
-        assert!(policy(1, ResampleWhen::EffectiveShareBelow(share)).validate().is_err());
+        assert!(policy(1, ResampleWhen::EffectiveShareBelow(share)).check().is_err());
     }
-    assert!(policy(1, ResampleWhen::WeightVarianceAbove(-1.0)).validate().is_err());
+    assert!(policy(1, ResampleWhen::WeightVarianceAbove(-1.0)).check().is_err());
 }

@@ -11,59 +11,45 @@ use nalgebra::Point2;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
-/// Finds straight walls in a scan.
-///
-/// Beams fall into runs at breakpoints; a run is split until each part is straight as far as
-/// noise and roughness can tell; neighbouring parts that are one wall are merged; beams about a
-/// corner are assigned to the wall on their side of it; each wall is fitted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
-pub struct LineExtractor {
-    /// Errors of the ranges.
-    pub noise: LaserNoise,
-    /// Standard deviation of a beam's direction \[rad\].
-    pub angle_sigma: f64,
-    /// Standard deviation of a wall's surface about its plane \[m\].
-    pub roughness: f64,
-    /// How many standard deviations a point may lie off its wall.
-    pub gate_sigmas: f64,
-    /// The flattest angle between beam and wall at which a wall is followed \[rad\].
-    pub grazing_angle: f64,
-    /// The widest angle without a return that a wall may continue across \[rad\].
-    pub max_gap: f64,
-    /// A wall needs this many beams.
-    pub min_points: usize,
-    /// A wall must be this long \[m\].
-    pub min_length: f64,
-    /// Its direction must be known this well \[rad\]: the beams of a short piece beyond a
-    /// corner are ambiguous, and its covariance would be overconfident.
-    pub max_alpha_sigma: f64,
+loc_core::settings! {
+    /// Finds straight walls in a scan.
+    ///
+    /// Beams fall into runs at breakpoints; a run is split until each part is straight as far as
+    /// noise and roughness can tell; neighbouring parts that are one wall are merged; beams about a
+    /// corner are assigned to the wall on their side of it; each wall is fitted.
+    ///
+    /// For an indoor scanner with errors of 2 cm.
+    #[derive(Copy)]
+    pub struct LineExtractor {
+        /// Errors of the ranges.
+        pub noise: LaserNoise = LaserNoise { sigma: 0.02, sigma_per_m: 0.0 } => check;
+        /// Standard deviation of a beam's direction \[rad\].
+        #[serde(with = "loc_core::settings::angle")]
+        pub angle_sigma: f64 = 0.001 => non_negative;
+        /// Standard deviation of a wall's surface about its plane \[m\].
+        pub roughness: f64 = 0.005 => non_negative;
+        /// How many standard deviations a point may lie off its wall.
+        pub gate_sigmas: f64 = 5.0 => positive;
+        /// The flattest angle between beam and wall at which a wall is followed \[rad\].
+        #[serde(with = "loc_core::settings::angle")]
+        pub grazing_angle: f64 = 5_f64.to_radians() => holds("between 0 and pi/2", |e| e.grazing_angle > 0.0 && e.grazing_angle < FRAC_PI_2);
+        /// The widest angle without a return that a wall may continue across \[rad\].
+        pub max_gap: f64 = 3_f64.to_radians() => positive;
+        /// A wall needs this many beams.
+        pub min_points: usize = 10 => at_least(3);
+        /// A wall must be this long \[m\].
+        pub min_length: f64 = 0.3 => non_negative;
+        /// Its direction must be known this well \[rad\]: the beams of a short piece beyond a
+        /// corner are ambiguous, and its covariance would be overconfident.
+        #[serde(with = "loc_core::settings::angle")]
+        pub max_alpha_sigma: f64 = 0.03 => positive;
+    }
 }
 
 impl LineExtractor {
     /// An extractor for a scanner with the given errors.
     pub fn new(noise: LaserNoise) -> Self {
         LineExtractor { noise, ..LineExtractor::default() }
-    }
-
-    /// Checks every value.
-    ///
-    /// # Errors
-    /// [`crate::Error::OutOfRange`] for negative standard deviations, a gate or an angle that is
-    /// not positive, fewer than 3 points, or a negative length.
-    pub fn check(&self) -> Result<()> {
-        self.noise.check()?;
-        non_negative("sigma of a beam's direction [rad]", self.angle_sigma)?;
-        non_negative("roughness of walls [m]", self.roughness)?;
-        positive("gate of points off a wall [sigmas]", self.gate_sigmas)?;
-        let acute = |angle: f64| angle > 0.0 && angle < FRAC_PI_2;
-        in_range("grazing angle [rad]", "between 0 and pi/2", self.grazing_angle, acute)?;
-        positive("widest gap in a wall [rad]", self.max_gap)?;
-        in_range("fewest points of a wall", "at least 3", self.min_points as f64, |n| n >= 3.0)?;
-        non_negative("least length of a wall [m]", self.min_length)?;
-        positive("largest sigma of a wall's direction [rad]", self.max_alpha_sigma)?;
-        Ok(())
     }
 
     /// The walls in a scan, in the scanner's frame and in the order of the beams.
@@ -85,23 +71,6 @@ impl LineExtractor {
                 && line.covariance.m22 <= self.max_alpha_sigma.powi(2)
         };
         Ok(walls.iter().filter_map(|wall| refined(wall)).filter(enough).collect())
-    }
-}
-
-impl Default for LineExtractor {
-    /// For an indoor scanner with errors of 2 cm.
-    fn default() -> Self {
-        LineExtractor {
-            noise: LaserNoise { sigma: 0.02, sigma_per_m: 0.0 },
-            angle_sigma: 0.001,
-            roughness: 0.005,
-            gate_sigmas: 5.0,
-            grazing_angle: 5_f64.to_radians(),
-            max_gap: 3_f64.to_radians(),
-            min_points: 10,
-            min_length: 0.3,
-            max_alpha_sigma: 0.03,
-        }
     }
 }
 

@@ -150,7 +150,7 @@ impl Demonstration for DiversityConfig {
         check_count("demonstration.steps", self.steps, 100_000)?;
         check_count("demonstration.every", self.every, 100_000)?;
         non_negative("demonstration.scatter", self.scatter)?;
-        self.on_share().validate()?;
+        self.on_share().check()?;
         Ok(())
     }
 

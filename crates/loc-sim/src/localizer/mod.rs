@@ -16,7 +16,7 @@ use loc_filters::fusion::FusedLocalizer;
 use loc_filters::fusion::state::STATES;
 use loc_filters::histogram::GridLocalizer;
 use loc_filters::kalman::rail::RailLocalizer;
-use loc_filters::landmark::{LandmarkLocalizer, LandmarkSettings};
+use loc_filters::landmark::{LandmarkLocalizer, RobotSettings};
 use loc_filters::lateration::SlidingLateration;
 use loc_filters::line_matching::{self, LineFilter, LineMatchingSettings};
 use loc_filters::localizer::{Estimate, Localizer};
@@ -320,7 +320,7 @@ impl Make<'_> {
     }
 
     fn kf_slam(&self) -> Result<LinearSlamLocalizer> {
-        let LandmarkSettings {
+        let RobotSettings {
             motion_noise, gate_probability, mounting, observation_noise, ..
         } = self.settings.landmark;
         let linear = LinearSlamSettings {

@@ -3,7 +3,7 @@
 use loc_filters::fusion::FusionSettings;
 use loc_filters::histogram::GridSettings;
 use loc_filters::kalman::rail::RailSettings;
-use loc_filters::landmark::LandmarkSettings;
+use loc_filters::landmark::RobotSettings;
 use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
 use loc_filters::slam::SlamSettings;
@@ -14,7 +14,7 @@ use loc_pf::{FastSlamSettings, LandmarkMclSettings, MclSettings};
 #[derive(Debug, Clone, PartialEq)]
 pub struct MethodSettings {
     /// For a robot in the plane.
-    pub landmark: LandmarkSettings,
+    pub landmark: RobotSettings,
     /// How late an input may come \[s\].
     pub horizon: f64,
     /// For a vehicle on a rail.
@@ -52,7 +52,7 @@ pub struct MethodSettings {
 impl Default for MethodSettings {
     fn default() -> Self {
         MethodSettings {
-            landmark: LandmarkSettings::default(),
+            landmark: RobotSettings::default(),
             horizon: 2.0,
             rail: RailSettings::default(),
             line_matching: LineMatchingSettings::default(),
@@ -75,7 +75,7 @@ impl Default for MethodSettings {
 impl MethodSettings {
     /// Settings of the particle filter among landmarks, with what all methods there are told.
     pub fn landmark_mcl(&self) -> LandmarkMclSettings {
-        let LandmarkSettings { integration, motion_noise, observation_noise, mounting, .. } =
+        let RobotSettings { integration, motion_noise, observation_noise, mounting, .. } =
             self.landmark;
         let own = self.landmark_mcl;
         let sights = ObservationModel { noise: observation_noise, mounting, ..own.sights };
@@ -84,7 +84,7 @@ impl MethodSettings {
 
     /// Settings of lateration, with what all methods among landmarks are told.
     pub fn lateration(&self) -> SlidingSettings {
-        let LandmarkSettings { integration, motion_noise, observation_noise, mounting, .. } =
+        let RobotSettings { integration, motion_noise, observation_noise, mounting, .. } =
             self.landmark;
         SlidingSettings {
             integration,
@@ -97,7 +97,7 @@ impl MethodSettings {
 
     /// Settings of `fusion`, with what all methods among landmarks are told.
     pub fn fusion(&self) -> FusionSettings {
-        let LandmarkSettings {
+        let RobotSettings {
             integration,
             motion_noise,
             observation_noise,
@@ -116,7 +116,7 @@ impl MethodSettings {
 
     /// Settings of `ekf-slam`, with what all methods among landmarks are told.
     pub fn slam(&self) -> SlamSettings {
-        let LandmarkSettings {
+        let RobotSettings {
             integration,
             motion_noise,
             observation_noise,

@@ -71,7 +71,7 @@ impl AmclParameters {
         mapping::laser(&mut given, &mut parameters.mcl)?;
         start(&mut given, &mut parameters)?;
         names(&mut given, &mut parameters)?;
-        parameters.mcl.validate().map_err(|error| given.error(&error))?;
+        parameters.mcl.check().map_err(|error| given.error(&error))?;
         parameters.warnings = given.into_warnings();
         Ok(parameters)
     }

@@ -11,7 +11,7 @@ use loc_core::motion::Integration;
 use loc_filters::association::Rule;
 use loc_filters::fusion::FusionSettings;
 use loc_filters::histogram::GridSettings;
-use loc_filters::landmark::LandmarkSettings;
+use loc_filters::landmark::RobotSettings;
 use loc_filters::lateration::{Loss, SlidingSettings};
 use loc_filters::line_matching::LineMatchingSettings;
 use loc_filters::slam::{Identities, Jacobians, SlamSettings};
@@ -58,10 +58,10 @@ impl FilterConfig {
     /// The settings of all methods, with what this section says put over `landmark`.
     ///
     /// # Errors
-    /// [`loc_core::Error::OutOfRange`], and what [`MclSettings::validate`] says.
-    pub(super) fn methods(&self, landmark: LandmarkSettings) -> Result<MethodSettings> {
-        self.mcl.validate()?;
-        self.histogram.validate()?;
+    /// [`loc_core::Error::OutOfRange`], and what [`MclSettings::check`] says.
+    pub(super) fn methods(&self, landmark: RobotSettings) -> Result<MethodSettings> {
+        self.mcl.check()?;
+        self.histogram.check()?;
         let line_matching = self.line_matching.unwrap_or_default();
         line_matching.check()?;
         Ok(MethodSettings {
@@ -94,7 +94,7 @@ impl FilterConfig {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
-    pub(super) fn apply(&self, mut settings: LandmarkSettings) -> Result<LandmarkSettings> {
+    pub(super) fn apply(&self, mut settings: RobotSettings) -> Result<RobotSettings> {
         settings.integration = self.integration;
         if let Some(noise) = &self.odometry {
             settings.motion_noise = noise.noise()?;
@@ -144,7 +144,7 @@ impl LandmarkMclConfig {
         put(&mut settings.recovery.alpha_fast, self.alpha_fast);
         settings.particles = self.particles.unwrap_or(settings.particles);
         settings.threads = self.threads.unwrap_or(settings.threads);
-        settings.validate()?;
+        settings.check()?;
         Ok(settings)
     }
 }
@@ -188,7 +188,7 @@ impl FastSlamConfig {
         settings.association.rule = self.association.unwrap_or(settings.association.rule);
         settings.particles = self.particles.unwrap_or(settings.particles);
         settings.threads = self.threads.unwrap_or(settings.threads);
-        settings.validate()?;
+        settings.check()?;
         Ok(settings)
     }
 }

@@ -33,7 +33,7 @@ use crate::source::rail::RailConfig;
 use crate::source::tour::TourConfig;
 use crate::source::{SimulatedDrive, SimulatedOutdoor, SimulatedRail, SimulatedTour, Source};
 use crate::{Error, Result, config, runner};
-use loc_filters::landmark::LandmarkSettings;
+use loc_filters::landmark::RobotSettings;
 use serde::Deserialize;
 use std::path::Path;
 use toml::Table;
@@ -218,7 +218,7 @@ impl Scenario {
             Kind::Drive(drive) => drive.settings()?,
             Kind::Tour(tour) => tour.sights()?,
             Kind::Outdoor(outdoor) => outdoor.landmark_settings()?,
-            _ => LandmarkSettings::default(),
+            _ => RobotSettings::default(),
         };
         let filter = self.filter.clone().unwrap_or_default();
         let mut settings = filter.methods(sensors)?;

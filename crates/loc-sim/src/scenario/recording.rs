@@ -5,7 +5,7 @@ use super::methods::FilterConfig;
 use crate::localizer::MethodSettings;
 use crate::{Error, Result, config};
 use loc_core::error::non_negative;
-use loc_filters::landmark::LandmarkSettings;
+use loc_filters::landmark::RobotSettings;
 use loc_sensors::landmark_camera::CameraCalibration;
 use loc_sensors::wheel::OdometryCalibration;
 use serde::{Deserialize, Serialize};
@@ -155,7 +155,7 @@ impl RecordingConfig {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
     pub fn settings(&self) -> Result<MethodSettings> {
-        self.filter.methods(LandmarkSettings::default())
+        self.filter.methods(RobotSettings::default())
     }
 }
 

@@ -15,6 +15,9 @@ use loc_core::{Gaussian, Pose2, angle};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 
+/// The fine grid is opened at the most likely place once that has this probability.
+const FINE_FROM_SHARE: f64 = 0.2;
+
 /// A total probability below this counts as 0.
 const MIN_TOTAL: f64 = 1e-12;
 
@@ -62,13 +65,13 @@ impl Belief {
             self.forget();
             return Ok(());
         }
-        let usual = Step::usual(path, &settings.motion);
-        let faulty = Step::faulty(path, &settings.motion);
+        let usual = Step::usual(path, &settings.robot.path);
+        let faulty = Step::faulty(path, &settings.robot.path);
         faulty.check(&lattice)?;
         if self.window.as_ref().is_some_and(|window| !window.can_follow(&usual)) {
             self.close_window(space);
         }
-        let faults = settings.motion.fault_probability;
+        let faults = settings.robot.path.fault_probability;
         self.scratch.clear();
         self.move_coarse(&usual, 1.0 - faults, space, &lattice)?;
         self.move_coarse(&faulty, faults, space, &lattice)?;
@@ -239,7 +242,7 @@ impl Belief {
         let peak = Peak::of(&self.stack, space, &settings.fine);
         let followed = self.in_window();
         if let Some(peak) =
-            peak.filter(|p| p.share >= settings.fine.from_share && p.share > followed)
+            peak.filter(|p| p.share >= FINE_FROM_SHARE && p.share > followed)
         {
             self.close_window(space);
             let window = Window::at(peak.gaussian.pose(), &settings.fine)?;

@@ -376,8 +376,8 @@ impl Scan {
         settings: &GridSettings,
     ) -> Option<Self> {
         let limited = LaserScan {
-            range_min: scan.range_min.max(settings.min_range),
-            range_max: scan.range_max.min(settings.max_range),
+            range_min: scan.range_min.max(settings.robot.laser_min_range),
+            range_max: scan.range_max.min(settings.robot.laser_max_range),
             ..scan.clone()
         };
         let beams = limited.thinned(settings.beams).into_iter();

@@ -129,7 +129,7 @@ impl GridLocalizer {
     /// Settings out of range; [`crate::Error::NoFreeSpace`], and [`loc_core::Error::Length`] for
     /// cells so small that the grid would not fit into memory.
     pub fn new(map: &OccupancyGrid, settings: GridSettings) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         Window::size(&settings.fine)?;
         let space = PoseSpace::new(map, &settings)?;
         let sensor = Sensor::new(map, &space, &settings)?;
@@ -245,7 +245,7 @@ impl GridLocalizer {
     /// by the way since the last update. Of a robot that may be anywhere, those of the whole belief.
     pub fn belief(&self) -> Gaussian<3> {
         let BestPose { gaussian, .. } = self.best;
-        self.path.map_or(gaussian, |path| self.settings.motion.belief_after(&path, &gaussian))
+        self.path.map_or(gaussian, |path| self.settings.robot.path.belief_after(&path, &gaussian))
     }
 
     /// The probability of the place that [`belief`](GridLocalizer::belief) describes; 0 for a

@@ -4,7 +4,7 @@ mod window;
 
 use super::minimize::{Minimum, OFFSET, SCALE};
 use super::{BiasPrior, LaterationSettings, Loss, Range, RangeBias, locate};
-use crate::Result;
+use crate::{Result, RobotSettings};
 use crate::delayed::{Clock, Sequential};
 use crate::localizer::{Decision, Estimate, Localizer, Outcome};
 use loc_core::error::{finite, in_range, positive};
@@ -110,7 +110,7 @@ impl SlidingLateration {
             anywhere,
             clock,
             settings,
-            track: Track::new(stamp, settings.integration),
+            track: Track::new(stamp, settings.robot.integration),
             window: VecDeque::new(),
             fix: None,
             start: None,
@@ -212,7 +212,7 @@ impl SlidingLateration {
     }
 
     fn carry(&self, belief: &Gaussian<3>, from: f64, to: f64) -> Gaussian<3> {
-        let mut belief = self.track.carry(*belief, from, to, &self.settings.motion_noise);
+        let mut belief = self.track.carry(*belief, from, to, &self.settings.robot.odometry);
         if !self.settings.odometry {
             let walked = (self.settings.walk * (to - from).max(0.0)).powi(2);
             let spread = Vector3::new(walked, walked, 0.0);
@@ -230,7 +230,8 @@ impl SlidingLateration {
         travelled: &Travelled,
         next: &Travelled,
     ) -> Carried {
-        let SlidingSettings { motion_noise: noise, antenna, .. } = &self.settings;
+        let RobotSettings { odometry: noise, mounting, .. } = &self.settings.robot;
+        let antenna = &mounting.position();
         let then = self.track.at(received.stamp);
         let pose = travelled.pose.between(then.pose);
         let (sin, cos) = pose.theta.sin_cos();
@@ -238,17 +239,17 @@ impl SlidingLateration {
         let segment = MotionSegment {
             start: pose.position().coords,
             ahead: Vector2::new(cos, sin),
-            along: noise.k_d * length,
-            turn: noise.k_drift * length + noise.k_theta * turn,
+            along: noise.k_d() * length,
+            turn: noise.k_drift() * length + noise.k_theta() * turn,
         };
         let (distance_since, turned) =
             (travelled.distance - then.distance, travelled.turned - then.turned);
         let antenna = pose.transform(antenna).coords;
-        let heading = noise.k_drift * distance_since + noise.k_theta * turned;
-        let mut own_sigma = self.settings.range_noise.range_sigma_at(received.distance);
+        let heading = noise.k_drift() * distance_since + noise.k_theta() * turned;
+        let mut own_sigma = self.settings.robot.camera.range_sigma_at(received.distance);
         let mut variance = own_sigma * own_sigma;
         // The mean of a heading error that grows evenly, over a straight path.
-        variance += noise.k_d * distance_since + heading * antenna.norm_squared() / 3.0;
+        variance += noise.k_d() * distance_since + heading * antenna.norm_squared() / 3.0;
         if !self.settings.odometry {
             variance += (self.settings.walk * (now - received.stamp)).powi(2);
             own_sigma = variance.sqrt();
@@ -370,69 +371,26 @@ fn turn(k: usize, count: usize) -> f64 {
     TAU * k as f64 / count as f64
 }
 
-/// Settings of sliding lateration.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
-pub struct SlidingSettings {
-    /// How many of the last distances count.
-    pub window: usize,
-    /// Whether odometry carries older distances to now. Without it the robot is taken to stay
-    /// about where it is.
-    pub odometry: bool,
-    /// Rule that turns velocities into poses.
-    pub integration: Integration,
-    /// How far odometry may be off.
-    pub motion_noise: VelocityNoise,
-    /// Without odometry: how fast the robot may be \[m/s\].
-    pub walk: f64,
-    /// How far distances may be off; the bearing's part is not used.
-    pub range_noise: LandmarkNoise,
-    /// How much outliers cost.
-    pub loss: Loss,
-    /// What is known of the sensor's bias.
-    pub bias: BiasPrior,
-    /// Place of the antenna on the robot \[m\].
-    pub antenna: Point2<f64>,
-}
-
-impl SlidingSettings {
-    /// Checks every value.
+loc_core::settings! {
+    /// Settings of sliding lateration.
     ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] with the name of the first that is not allowed.
-    pub fn check(&self) -> Result<()> {
-        let allowed = |count: f64| (1.0..=1e4).contains(&count);
-        in_range("distances in the window", "1 to 10000", self.window as f64, allowed)?;
-        self.motion_noise.check()?;
-        positive("speed of a robot without odometry [m/s]", self.walk)?;
-        self.range_noise.check()?;
-        positive("sigma of the range [m]", self.range_noise.range_sigma)?;
-        if let Loss::Huber(k) | Loss::Cauchy(k) = self.loss {
-            positive("bend of the loss [standard deviations]", k)?;
-        }
-        self.bias.check()?;
-        finite("place of the antenna [m]", self.antenna.x)?;
-        finite("place of the antenna [m]", self.antenna.y)?;
-        Ok(())
-    }
-}
-
-impl Default for SlidingSettings {
     /// 50 distances with odometry, a robust loss, and a sensor whose scale is known to 10 % and
     /// whose offset to 20 cm, as radio ranging is out of the box.
-    fn default() -> Self {
-        SlidingSettings {
-            window: 50,
-            odometry: true,
-            integration: Integration::ExactArc,
-            motion_noise: VelocityNoise::default(),
-            walk: 0.5,
-            range_noise: LandmarkNoise { range_sigma: 0.1, ..LandmarkNoise::default() },
-            // A landmark taken for another one stays in the window for long; it must not pull at all.
-            loss: Loss::CAUCHY,
-            bias: BiasPrior { scale_sigma: 0.1, offset_sigma: 0.2 },
-            antenna: Point2::origin(),
-        }
+    #[derive(Copy)]
+    pub struct SlidingSettings {
+        /// The robot and its sensors.
+        pub robot: RobotSettings = RobotSettings::default() => check;
+        /// How many of the last distances count.
+        pub window: usize = 50 => within(1, 10_000);
+        /// Whether odometry carries older distances to now. Without it the robot is taken to stay
+        /// about where it is.
+        pub odometry: bool = true => any;
+        /// Without odometry: how fast the robot may be \[m/s\].
+        pub walk: f64 = 0.5 => positive;
+        /// How much outliers cost.
+        pub loss: Loss = Loss::CAUCHY => check;
+        /// What is known of the sensor's bias.
+        pub bias: BiasPrior = BiasPrior { scale_sigma: 0.1, offset_sigma: 0.2 } => check;
     }
 }
+

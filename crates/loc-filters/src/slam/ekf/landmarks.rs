@@ -157,7 +157,7 @@ impl EkfSlam {
         let (map, entry) = (&self.settings.map, &mut self.entries[landmark]);
         entry.seen_at = seen_at;
         entry.observations = entry.observations.saturating_add(1);
-        entry.score = (entry.score + 1.0).min(map.max_score);
+        entry.score = (entry.score + 1.0).min(map.max_score());
         entry.confirmed |= entry.score >= map.confirm_score;
     }
 
@@ -170,7 +170,7 @@ impl EkfSlam {
     /// Lowers the score of landmarks that should have been observed and were not, and removes those
     /// without a score.
     pub(super) fn score_missed(&mut self, seen: &[bool]) -> Result<()> {
-        let camera = self.robot_pose() * self.settings.mounting;
+        let camera = self.robot_pose() * self.settings.robot.mounting;
         let back = camera.inverse();
         for index in self.state.active() {
             let from_camera = back.transform(&self.state.position(index));
@@ -221,7 +221,7 @@ impl EkfSlam {
         for &(recent, earlier) in &pairs {
             let gone = self.entries[recent];
             self.lower_score(recent, f64::INFINITY);
-            self.entries[earlier].absorb(&gone, self.settings.map.max_score);
+            self.entries[earlier].absorb(&gone, self.settings.map.max_score());
             let kept = self.entries[earlier].id;
             let changed = outcomes.iter_mut().filter(|outcome| outcome.landmark == Some(gone.id));
             changed.for_each(|outcome| outcome.landmark = Some(kept));

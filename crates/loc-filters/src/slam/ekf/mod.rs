@@ -82,13 +82,13 @@ impl EkfSlam {
     /// # Errors
     /// [`loc_core::Error`] for a belief or settings that are not valid.
     pub fn new(start: Gaussian<3>, settings: SlamSettings) -> Result<Self> {
-        settings.check()?;
+        let gate = settings.gate()?;
         let mut state = initial_state(&start, &settings)?;
         state.robot_mut()[HEADING] = loc_core::angle::wrap(start.mean.z);
         Ok(EkfSlam {
             state: MapState::new(state),
             settings,
-            gate: Gate::probability(settings.gate_probability)?,
+            gate,
             new_landmark_gate: settings.new_landmark_gate()?,
             distinct_gate: settings.distinct_gate()?,
             associator: Associator::new(settings.association)?,
@@ -415,7 +415,7 @@ impl EkfSlam {
     }
 
     fn model(&self, landmark: Point2<f64>) -> RangeBearingModel {
-        let (mounting, noise) = (self.settings.mounting, self.settings.observation_noise);
+        let (mounting, noise) = (self.settings.robot.mounting, self.settings.robot.camera);
         RangeBearingModel { landmark, mounting, noise }
     }
 
@@ -447,7 +447,7 @@ impl EkfSlam {
         if range < LocatedObservation::NEAREST {
             return None;
         }
-        let camera = self.robot_pose() * self.settings.mounting;
+        let camera = self.robot_pose() * self.settings.robot.mounting;
         let (true_range, true_bearing) = self.without_common_errors(range, bearing);
         let (sin, cos) = true_bearing.sin_cos();
         let position = camera.transform(&Point2::new(true_range * cos, true_range * sin));
@@ -461,7 +461,7 @@ impl EkfSlam {
 
     /// A range and a bearing minus the estimated common errors.
     fn without_common_errors(&self, range: f64, bearing: f64) -> (f64, f64) {
-        let (robot, noise) = (self.state.robot(), self.settings.observation_noise);
+        let (robot, noise) = (self.state.robot(), self.settings.robot.camera);
         let range = (range - robot[3] * noise.range_sigma_at(range)).max(0.0);
         (range, bearing - robot[4] * noise.bearing_sigma)
     }

@@ -89,7 +89,7 @@ impl LocatedObservation {
 
     /// The shifts by one standard deviation of the range and one of the bearing, as columns \[m\].
     pub(super) fn axes(&self, slam: &EkfSlam) -> Matrix2<f64> {
-        let noise = slam.settings.observation_noise;
+        let noise = slam.settings.robot.camera;
         let (along, across) = (noise.range_sigma_at(self.range), noise.bearing_sigma * self.range);
         let (sin, cos) = self.direction.sin_cos();
         Matrix2::new(along * cos, -across * sin, along * sin, across * cos)

@@ -69,9 +69,9 @@ impl Clusterer {
     /// A clusterer with the given settings.
     ///
     /// # Errors
-    /// Those of [`ClusterSettings::validate`].
+    /// Those of [`ClusterSettings::check`].
     pub fn new(settings: ClusterSettings) -> Result<Self> {
-        settings.validate()?;
+        settings.check()?;
         Ok(Clusterer {
             settings,
             workers: Workers::one(),
@@ -115,21 +115,22 @@ impl Clusterer {
     }
 }
 
-/// Settings of a [`Clusterer`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct ClusterSettings {
-    /// Side of a cell over x and y \[m\]: modes less than two cells apart are one.
-    pub cell: f64,
-    /// Width of a cell over the heading \[rad\], from a 64th of a turn to a third; rounded so that
-    /// a whole number of cells fills a turn.
-    pub heading_cell: f64,
-    /// Two peaks stay separate where the highest path between them falls to this share of the lower
-    /// one, in \[0, 1\]. With 0, only gaps part clusters.
-    pub valley: f64,
-    /// What the reported pose is taken from.
-    pub pose: PoseSource,
+loc_core::settings! {
+    /// Settings of a [`Clusterer`].
+    #[derive(Copy)]
+    pub struct ClusterSettings {
+        /// Side of a cell over x and y \[m\]: modes less than two cells apart are one.
+        pub cell: f64 = 0.5 => positive;
+        /// Width of a cell over the heading \[rad\], from a 64th of a turn to a third; rounded so that
+        /// a whole number of cells fills a turn.
+        #[serde(with = "loc_core::settings::angle")]
+        pub heading_cell: f64 = TAU / 24.0 => holds("from 1/64 to 1/3 of a turn", |c| (TAU / 64.5..=TAU / 2.5).contains(&c.heading_cell));
+        /// Two peaks stay separate where the highest path between them falls to this share of the lower
+        /// one, in \[0, 1\]. With 0, only gaps part clusters.
+        pub valley: f64 = 0.25 => probability;
+        /// What the reported pose is taken from.
+        pub pose: PoseSource = PoseSource::default() => any;
+    }
 }
 
 /// What a robot takes as its pose.
@@ -143,32 +144,6 @@ pub enum PoseSource {
     /// Mean and covariance of all particles: minimum squared error, but between two rooms it lies
     /// in the wall.
     WholeCloud,
-}
-
-impl Default for ClusterSettings {
-    fn default() -> Self {
-        ClusterSettings {
-            cell: 0.5,
-            heading_cell: TAU / 24.0,
-            valley: 0.25,
-            pose: PoseSource::default(),
-        }
-    }
-}
-
-impl ClusterSettings {
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn validate(&self) -> Result<()> {
-        positive("cell of clusters [m]", self.cell)?;
-        let allowed = |width: f64| (TAU / 64.5..=TAU / 2.5).contains(&width);
-        let what = "heading_cell of clusters [rad]";
-        in_range(what, "from 1/64 to 1/3 of a turn", self.heading_cell, allowed)?;
-        probability("valley of clusters", self.valley)?;
-        Ok(())
-    }
 }
 
 /// What is added up for each cluster, with memory kept from one particle set to the next.

@@ -224,7 +224,7 @@ pub struct FitReport {
 ///
 /// # Errors
 /// [`loc_core::Error::Length`] for fewer than 100 pairs with both ranges in reach; pairs that are
-/// not two ranges (NaN, negative) do not count. Those of [`BeamModelSettings::validate`].
+/// not two ranges (NaN, negative) do not count. Those of [`BeamModelSettings::check`].
 pub fn fit_beam_model(pairs: &[RangePair], start: &BeamModelSettings) -> Result<FitReport> {
     let mut settings = start.normalized()?;
     let z = [&mut settings.z_hit, &mut settings.z_short, &mut settings.z_max, &mut settings.z_rand];

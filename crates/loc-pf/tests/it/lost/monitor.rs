@@ -77,7 +77,7 @@ fn what_is_no_number_says_nothing() {
 #[test]
 fn settings_out_of_range_are_refused() {
     let good = LostSettings::default();
-    assert!(good.validate().is_ok());
+    assert!(good.check().is_ok());
     let tolerance = |distance, turn| Tolerance { distance, turn };
     for bad in [
         LostSettings { memory: 1.0, ..good },

@@ -115,7 +115,7 @@ fn parameters(file: &Path, changes: &[String]) -> Result<Configuration> {
     }
     let name = file.display().to_string();
     let mcl = config::changed(&name, given.mcl, &of_mcl)?;
-    mcl.validate()?;
+    mcl.check()?;
     let sigmas = config::changed(&name, StartConfig::default(), &of_start)?.sigmas()?;
     let [x, y, yaw] = given.start_sigmas;
     let options = ReplayOptions {

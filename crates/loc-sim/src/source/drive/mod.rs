@@ -14,7 +14,7 @@ use loc_core::gaussian::pose_belief;
 use loc_core::motion::Integration;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
-use loc_filters::landmark::LandmarkSettings;
+use loc_filters::landmark::RobotSettings;
 use loc_maps::{Landmark, LandmarkMap, OccupancyGrid, worlds};
 use loc_sensors::event::{Control, Event, Measurement, Payload, Truth};
 use loc_sensors::landmark_camera::{LandmarkCamera, ObservedKind};
@@ -377,12 +377,12 @@ impl DriveConfig {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
-    pub(crate) fn settings(&self) -> Result<LandmarkSettings> {
+    pub(crate) fn settings(&self) -> Result<RobotSettings> {
         let mut settings =
-            LandmarkSettings { motion_noise: self.body()?.noise()?, ..Default::default() };
+            RobotSettings { motion_noise: self.body()?.noise()?, ..Default::default() };
         if let Some(camera) = &self.camera {
             let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
-            settings = LandmarkSettings { mounting, observation_noise: noise, ..settings };
+            settings = RobotSettings { mounting, observation_noise: noise, ..settings };
         }
         Ok(settings)
     }

@@ -8,7 +8,7 @@ use loc_core::Twist2;
 use loc_core::error::{finite, non_negative, positive};
 use loc_core::motion::VelocityNoise;
 use loc_filters::fusion::FusionSettings;
-use loc_filters::landmark::LandmarkSettings;
+use loc_filters::landmark::RobotSettings;
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::compass::{Compass, CompassNoise};
 use loc_sensors::gnss::GnssNoise;
@@ -229,8 +229,8 @@ impl OutdoorConfig {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
-    pub(crate) fn landmark_settings(&self) -> Result<LandmarkSettings> {
-        let mut settings = LandmarkSettings::default();
+    pub(crate) fn landmark_settings(&self) -> Result<RobotSettings> {
+        let mut settings = RobotSettings::default();
         if let Some(wheels) = &self.wheels {
             settings.motion_noise = match wheels.drive.noise {
                 Some(noise) => noise.noise()?,

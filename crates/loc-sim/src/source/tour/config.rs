@@ -9,7 +9,7 @@ use crate::source::people::PeopleConfig;
 use loc_core::Pose2;
 use loc_core::error::{finite, non_negative, positive};
 use loc_core::motion::VelocityNoise;
-use loc_filters::landmark::LandmarkSettings;
+use loc_filters::landmark::RobotSettings;
 use loc_sensors::landmark_camera::LandmarkCamera;
 use loc_sensors::wheel::{WheelFaults, WheelOdometry};
 use serde::Deserialize;
@@ -194,8 +194,8 @@ impl TourConfig {
     ///
     /// # Errors
     /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
-    pub(crate) fn sights(&self) -> Result<LandmarkSettings> {
-        let settings = LandmarkSettings { motion_noise: self.wheel_noise()?, ..Default::default() };
+    pub(crate) fn sights(&self) -> Result<RobotSettings> {
+        let settings = RobotSettings { motion_noise: self.wheel_noise()?, ..Default::default() };
         let Some(camera) = &self.camera else { return Ok(settings) };
         self.steps("tour.camera.every_s", camera.every_s)?;
         if camera.latency_s > 0.0 {
@@ -207,7 +207,7 @@ impl TourConfig {
             ));
         }
         let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
-        Ok(LandmarkSettings { mounting, observation_noise: noise, ..settings })
+        Ok(RobotSettings { mounting, observation_noise: noise, ..settings })
     }
 
     /// Random errors of the wheels.
