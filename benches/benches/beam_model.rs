@@ -70,7 +70,7 @@ fn plain(grid: &OccupancyGrid, model: &BeamModel, scan: &LaserScan, pose: Pose2)
 fn beam_model(c: &mut Criterion) {
     let grid = loc_bench::map().expect("a map");
     let caster = RayCaster::new(&grid);
-    let settings = BeamModelSettings { max_range: MAX_RANGE, ..Default::default() };
+    let settings = BeamModelSettings::default().max_range(MAX_RANGE);
     let model = BeamModel::new(&settings).expect("valid");
     let mut cloud = cloud();
     for beams in [60, 180] {

@@ -104,7 +104,7 @@ fn updates(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("loc-filters", n), |bencher| {
             bencher.iter(|| slam.correct(black_box(&seen)).expect("finite"));
         });
-        let textbook = SlamSettings { jacobians: Jacobians::Current, ..SlamSettings::default() };
+        let textbook = SlamSettings::default().jacobians(Jacobians::Current);
         let mut slam = driven(n, textbook);
         let seen = observations(&slam, 1);
         group.bench_function(BenchmarkId::new("loc-filters, textbook", n), |bencher| {
@@ -178,11 +178,7 @@ fn updates(c: &mut Criterion) {
 fn submap(c: &mut Criterion) {
     let mut group = c.benchmark_group("ekf-slam/20-of-2000");
     // So small that the landmarks in hand are those that were seen, and no others.
-    let settings = SlamSettings {
-        submap_radius: Some(0.1),
-        jacobians: Jacobians::First,
-        ..SlamSettings::default()
-    };
+    let settings = SlamSettings::default().submap_radius(Some(0.1)).jacobians(Jacobians::First);
     let mut slam = driven(2000, settings);
     let seen = observations(&slam, 20);
     slam.correct(&seen).expect("finite");

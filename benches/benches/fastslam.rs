@@ -19,7 +19,7 @@ fn see(landmark: u32) -> LandmarkObservation {
 fn steps(c: &mut Criterion) {
     let mut group = c.benchmark_group("fastslam/motion and 3 observations");
     for (particles, landmarks) in [(100, 100), (1000, 100), (100, 1000_u32), (1000, 1000)] {
-        let settings = FastSlamSettings { particles, ..FastSlamSettings::default() };
+        let settings = FastSlamSettings::default().particles(particles);
         let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
         let mut slam = FastSlam::new(start, settings, stream(1, "bench")).expect("valid");
         slam.correct(&(0..landmarks).map(see).collect::<Vec<_>>()).expect("finite");

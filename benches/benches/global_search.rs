@@ -56,7 +56,7 @@ fn blocked(scan: &[(f64, f64)]) -> Endpoints {
 
 fn global_search(c: &mut Criterion) {
     let map = loc_bench::map().expect("a map");
-    let settings = LikelihoodFieldSettings { max_range: 30.0, ..Default::default() };
+    let settings = LikelihoodFieldSettings::nav2().max_range(30.0);
     let field = LikelihoodField::new(&map, &settings).expect("valid");
     let one = SearchSettings { candidates: 1, refine: false, ..Default::default() };
     let build = |settings: &SearchSettings| {

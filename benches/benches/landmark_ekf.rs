@@ -79,7 +79,7 @@ fn one<F: NonlinearFilter<3>>(
 fn step(c: &mut Criterion) {
     let (map, observations) = world();
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
-    let settings = RobotSettings { gate_probability: 1.0, ..RobotSettings::default() };
+    let settings = RobotSettings::default().gate_probability(1.0);
     let mut group = c.benchmark_group("landmark-ekf/6-observations");
 
     let filter = LandmarkEkf::new(start, settings).expect("valid");

@@ -96,11 +96,7 @@ fn step(c: &mut Criterion) {
             });
         });
     }
-    let settings = LandmarkMclSettings {
-        particles: PARTICLES,
-        sights: model(0.01),
-        ..LandmarkMclSettings::default()
-    };
+    let settings = LandmarkMclSettings::default().particles(PARTICLES).sights(model(0.01));
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
     let mcl = LandmarkMcl::new(map.clone(), settings, 0.0, &start, rng).expect("valid");
     let mut mcl = Delayed::new(mcl, 2.0).expect("valid");

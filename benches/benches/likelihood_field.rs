@@ -17,7 +17,7 @@ use nalgebra::Point2;
 use std::hint::black_box;
 
 fn settings() -> LikelihoodFieldSettings {
-    LikelihoodFieldSettings { max_range: 30.0, ..Default::default() }
+    LikelihoodFieldSettings::nav2().max_range(30.0)
 }
 
 /// The field, and what the plain form reads.

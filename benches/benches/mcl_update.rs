@@ -32,9 +32,9 @@ fn scan(map: &OccupancyGrid, beams: usize) -> LaserScan {
 
 fn filter(particles: usize, beams: usize, threads: usize) -> MclSettings {
     let particles =
-        KldSettings { min_particles: particles, max_particles: particles, ..Default::default() };
-    let recovery = RecoverySettings { search: false, suspicion: None, augmented: None };
-    MclSettings { particles, beams, threads, recovery, tempering: None, ..Default::default() }
+        KldSettings::default().min_particles(particles).max_particles(particles);
+    let recovery = RecoverySettings::default().search(false).suspicion(None).augmented(None);
+    MclSettings::default().particles(particles).beams(beams).threads(threads).recovery(recovery).tempering(None)
 }
 
 /// Times updates of a filter that drives to and fro about the place.

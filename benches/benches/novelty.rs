@@ -37,7 +37,7 @@ fn scan(world: &impl RangeWorld, beams: usize, people: bool) -> LaserScan {
 fn novelty(c: &mut Criterion) {
     let grid = loc_bench::map().expect("a map");
     let caster = RayCaster::new(&grid);
-    let settings = LikelihoodFieldSettings { max_range: 30.0, ..Default::default() };
+    let settings = LikelihoodFieldSettings::nav2().max_range(30.0);
     let field = LikelihoodField::new(&grid, &settings).expect("valid");
     let belief = pose_belief(Pose2::new(5.0, 5.0, 0.3), [0.15, 0.15, 0.05]);
     let cloud = Particles::from_gaussian(&belief, 2000, &mut stream(1, "cloud"));

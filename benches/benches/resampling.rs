@@ -69,7 +69,7 @@ fn kld(c: &mut Criterion) {
     let belief = pose_belief(Pose2::new(5.0, 5.0, 0.3), [0.15, 0.15, 0.05]);
     let mut rng = stream(1, "particles");
     let cloud = Particles::from_gaussian(&belief, 10_000, &mut rng);
-    let settings = KldSettings { max_particles: 10_000, ..Default::default() };
+    let settings = KldSettings::default().max_particles(10_000);
     let mut kld = Kld::new(settings).expect("valid");
     let (mut wheel, mut indices, mut drawn) =
         (CumulativeWeights::new(), Vec::new(), Particles::new());

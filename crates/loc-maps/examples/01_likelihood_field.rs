@@ -8,7 +8,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 5 m x 5 m in cells of 5 cm, with a wall at x = 4 m.
     let mut grid = OccupancyGrid::filled(GridFrame::new(100, 100, 0.05, Pose2::IDENTITY)?, 0);
     (0..100).try_for_each(|row| grid.set(Cell::new(80, row), 100))?;
-    let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::default())?;
+    let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::nav2())?;
     // Three beams of 2 m, straight ahead and 0.1 rad to both sides.
     let scan = Endpoints::from_scan(&[-0.1, 0.0, 0.1], &[2.0, 2.0, 2.0]);
     for x in [1.6, 1.8, 2.0, 2.2, 2.4] {

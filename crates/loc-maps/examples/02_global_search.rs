@@ -10,7 +10,7 @@ use loc_sensors::laser::{Beam, LaserScanner, LaserSpec};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let settings = WorldSettings { width: 200, height: 200, ..Default::default() };
     let map = worlds::office(&settings)?.grid;
-    let field = LikelihoodField::new(&map, &LikelihoodFieldSettings::default())?;
+    let field = LikelihoodField::new(&map, &LikelihoodFieldSettings::nav2())?;
     let search = GlobalSearch::new(&map, field, SearchSettings::default())?;
 
     let truth = Pose2::new(3.0, 2.5, 1.2);

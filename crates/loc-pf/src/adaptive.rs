@@ -18,7 +18,7 @@
 //! let mut rng = stream(1, "filter");
 //! let belief = pose_belief(Pose2::IDENTITY, [0.02, 0.02, 0.01]);
 //! let particles = Particles::from_gaussian(&belief, 2000, &mut rng);
-//! let mut kld = Kld::new(KldSettings { min_particles: 100, ..Default::default() })?;
+//! let mut kld = Kld::new(KldSettings::default().min_particles(100))?;
 //! let mut cumulative = CumulativeWeights::new();
 //! cumulative.set(particles.log_weights());
 //! let mut drawn = Vec::new();
@@ -94,15 +94,29 @@ impl KldSettings {
         (count as usize).max(self.min_particles).min(self.max_particles)
     }
 
-    /// The quantile of the normal distribution.
     fn quantile(&self) -> Result<f64> {
-        match self.certainty {
-            KldCertainty::Quantile(quantile) => Ok(finite("quantile of KLD-sampling", quantile)?),
+        Ok(self.certainty.quantile()?)
+    }
+}
+
+impl KldCertainty {
+    /// Checks the number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] for what is no confidence and no quantile.
+    pub fn check(&self) -> loc_core::Result<()> {
+        self.quantile().map(|_| ())
+    }
+
+    /// The quantile of the normal distribution.
+    fn quantile(&self) -> loc_core::Result<f64> {
+        match *self {
+            KldCertainty::Quantile(quantile) => finite("quantile of KLD-sampling", quantile),
             KldCertainty::Confidence(probability) => {
                 let (what, expected) = ("confidence of KLD-sampling", "a probability in (0, 1)");
                 let allowed = |p: f64| p > 0.0 && p < 1.0;
                 let probability = in_range(what, expected, probability, allowed)?;
-                Ok(Normal::new(0.0, 1.0)?.quantile(probability)?)
+                Normal::new(0.0, 1.0)?.quantile(probability)
             }
         }
     }

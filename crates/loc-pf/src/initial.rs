@@ -90,7 +90,7 @@ impl SeedSettings {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn check(&self) -> Result<()> {
+    pub fn check(&self) -> loc_core::Result<()> {
         non_negative("position [m]", self.position)?;
         non_negative("heading [rad]", self.heading)?;
         positive("exponent", self.exponent)?;

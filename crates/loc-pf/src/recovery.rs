@@ -17,6 +17,15 @@
 use crate::Result;
 use loc_core::error::{in_range, positive, probability};
 
+/// Probability of being elsewhere from which a search is required.
+const ALARM: f64 = 0.1;
+
+/// Share by which the usual evidence follows each update.
+const ADAPTATION: f64 = 0.05;
+
+/// Maximum number of updates between a search without result and the next.
+const MAX_PAUSE: u32 = 16;
+
 loc_core::settings! {
     /// Settings of [`Suspicion`].
     #[derive(Copy)]
@@ -111,7 +120,7 @@ impl Suspicion {
             self.recent += RECENT * (log_evidence / beams - self.recent);
         }
         if self.log_odds < 0.0 && log_evidence.is_finite() {
-            self.usual += self.settings.adaptation * (log_evidence / beams - self.usual);
+            self.usual += ADAPTATION * (log_evidence / beams - self.usual);
         }
         self.probability()
     }
@@ -125,7 +134,7 @@ impl Suspicion {
     /// time, and the last search without result is long enough ago.
     pub fn is_alarmed(&self) -> bool {
         let doubtful = self.recent < self.expected - self.tolerance;
-        self.waiting == 0 && (doubtful || self.probability() >= self.settings.alarm)
+        self.waiting == 0 && (doubtful || self.probability() >= ALARM)
     }
 
     /// After a search without result: the log odds are reset, and the next search is postponed,
@@ -136,7 +145,7 @@ impl Suspicion {
             (self.pause, self.waiting) = (1, 1);
         } else {
             self.waiting = self.pause;
-            self.pause = (2 * self.pause).min(self.settings.longest_pause);
+            self.pause = (2 * self.pause).min(MAX_PAUSE);
         }
     }
 

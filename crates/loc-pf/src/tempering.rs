@@ -85,7 +85,7 @@ impl Tempering {
         let (mut exponent, mut stride) = (0.0, 1.0);
         let mut report = TemperingReport { stages: 1, log_evidence: 0.0 };
         loop {
-            let share = if report.stages < self.settings.max_stages {
+            let share = if report.stages < MAX_STAGES {
                 self.share_of(workers, 1.0 - exponent)
             } else {
                 1.0 - exponent
@@ -126,7 +126,7 @@ impl Tempering {
         let spread = self.spread_of_noise().map(|spread| spread.max(MIN_STEP));
         let count = self.log_weights.len();
         let mut moved = 0.0;
-        for _ in 0..self.settings.max_strides {
+        for _ in 0..MAX_STRIDES {
             let strides = spread.map(|spread| (*scale * spread).clamp(MIN_STEP, 0.95));
             let accepted = AtomicUsize::new(0);
             filter.for_each_part(&mut self.parts, |part, rng| {
@@ -134,7 +134,7 @@ impl Tempering {
                 accepted.fetch_add(part.walk(step, measurement, walk, rng), Ordering::Relaxed);
             });
             let rate = accepted.into_inner() as f64 / count.max(1) as f64;
-            *scale = (*scale * (3.0 * (rate - self.settings.acceptance)).exp()).clamp(1e-3, 1e3);
+            *scale = (*scale * (3.0 * (rate - ACCEPTANCE)).exp()).clamp(1e-3, 1e3);
             moved += rate;
             if moved >= enough {
                 break;
@@ -260,6 +260,15 @@ const MIN_DIFFERENT: f64 = 0.1;
 
 /// Accepted steps after which copies of one particle have spread over a peak.
 const SPREADING_MOVES: f64 = 3.0;
+
+/// Maximum number of stages; the last one uses the rest of the measurement.
+const MAX_STAGES: usize = 20;
+
+/// Target share of accepted steps, in (0, 1); their length follows it.
+const ACCEPTANCE: f64 = 0.35;
+
+/// Maximum number of steps of the particles in a stage.
+const MAX_STRIDES: usize = 10;
 
 /// How finely a share of a measurement is determined: to 1 / 2^10 of what is left.
 const BISECTIONS: u32 = 10;

@@ -117,7 +117,7 @@ pub fn learn(
     settings.start.check()?;
     let reach = scans.iter().map(|(_, scan)| scan.range_max).fold(0.0, f64::max);
     let max_range = if reach > 0.0 { settings.start.max_range.min(reach) } else { 1.0 };
-    let start = BeamModelSettings { max_range, ..settings.start };
+    let start = settings.start.max_range(max_range);
     let mut histogram = PerceptualHistogram::new(max_range, settings.bin)?;
     let caster = RayCaster::new(map);
     let is_free = |pose: &Pose2| map.occupancy_at(&pose.position()) == Occupancy::Free;
@@ -315,7 +315,7 @@ fn scan_and_learn(config: &PerceptualModelConfig, seed: u64) -> Result<Learned> 
             (pose * scanner.mounting, scan)
         })
         .collect();
-    let start = BeamModelSettings { max_range: scanner.spec.range_max, ..Default::default() };
+    let start = BeamModelSettings::default().max_range(scanner.spec.range_max);
     learn(&scans, map, &LearnSettings { start, ..LearnSettings::default() })
 }
 

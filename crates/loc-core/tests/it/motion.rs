@@ -298,7 +298,7 @@ fn variances_add_up_along_the_way() {
     let turned = Pose2::new(2.0, 0.0, 0.5);
     let there_and_back = path(&[Pose2::IDENTITY, turned, Pose2::IDENTITY]);
     assert_eq!((there_and_back.length(), there_and_back.turned()), (4.0, 1.0));
-    let noise = PathNoise { along: 0.1, across: 0.2, pivot: 0.05, ..PathNoise::default() };
+    let noise = PathNoise::default().along(0.1).across(0.2).pivot(0.05);
     let variances = noise.variances(&there_and_back);
     assert_relative_eq!(variances.x, 4.0 * 0.01 + 0.0025, epsilon = 1e-15);
     assert_relative_eq!(variances.y, 4.0 * 0.04 + 0.0025, epsilon = 1e-15);
@@ -359,9 +359,9 @@ fn cutting_a_way_changes_little() {
 #[test]
 fn bad_noise_is_named() {
     for (noise, message) in [
-        (PathNoise { along: -1.0, ..PathNoise::default() }, "noise along the path"),
-        (PathNoise { turn: f64::NAN, ..PathNoise::default() }, "noise of turning"),
-        (PathNoise { fault_probability: 1.5, ..PathNoise::default() }, "odometry fault"),
+        (PathNoise::default().along(-1.0), "noise along the path"),
+        (PathNoise::default().turn(f64::NAN), "noise of turning"),
+        (PathNoise::default().fault_probability(1.5), "odometry fault"),
     ] {
         assert!(noise.check().unwrap_err().to_string().contains(message));
     }

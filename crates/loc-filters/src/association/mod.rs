@@ -38,8 +38,8 @@
 //!
 //! // Both are seen 0.9 too far to the right, so that the nearest landmark is the wrong one.
 //! let line = OnALine { seen: [0.9, 2.4], known: [0.0, 1.5, 3.1] };
-//! let trusting = AssociationSettings { min_ratio: 1.0, ..AssociationSettings::default() };
-//! let by = |rule| Associator::new(AssociationSettings { rule, ..trusting });
+//! let trusting = AssociationSettings::default().min_ratio(1.0);
+//! let by = |rule| Associator::new(trusting.rule(rule));
 //! let nearest = by(Rule::NearestNeighbor)?.associate(&line)?;
 //! assert_eq!(nearest.partners, [Some(1), Some(2)]);
 //! let joint = by(Rule::JointCompatibility)?.associate(&line)?;

@@ -3,6 +3,7 @@
 
 use super::FusionSettings;
 use crate::RobotSettings;
+use loc_core::error::{finite, positive};
 use super::models::{
     CompassModel, DirectionModel, DistanceModel, FusedMotion, InertialModel, ObservationModel,
     PositionModel, RandomWalk, WheelModel,

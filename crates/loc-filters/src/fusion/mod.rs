@@ -43,12 +43,8 @@ pub use state::FusedBelief;
 
 use crate::lateration::BiasPrior;
 use crate::RobotSettings;
-use loc_core::Pose2;
-use loc_core::error::{finite, non_negative, positive};
-use loc_core::motion::{Integration, VelocityNoise};
 use loc_sensors::gnss::GnssNoise;
 use loc_sensors::imu::ImuSpec;
-use loc_sensors::landmark_camera::LandmarkNoise;
 use nalgebra::Point2;
 
 loc_core::settings! {

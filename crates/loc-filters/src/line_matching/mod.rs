@@ -39,8 +39,6 @@ pub use model::{FieldOfView, LineModel, PredictedLine, STATES};
 
 use crate::association::Rule;
 use crate::RobotSettings;
-use loc_core::error::{non_negative, positive, probability};
-use loc_core::motion::PathNoise;
 use loc_sensors::features::LineExtractor;
 use nalgebra::Vector2;
 
@@ -53,7 +51,7 @@ loc_core::settings! {
         /// What odometry may get wrong all the time; the filter finds out.
         pub systematic: SystematicErrors = SystematicErrors::default() => check;
         /// How lines are found in scans, and what the scanner's noise is.
-        pub extractor: LineExtractor = LineExtractor { min_points: 6, ..LineExtractor::default() } => check;
+        pub extractor: LineExtractor = LineExtractor::default().min_points(6) => check;
         /// How far each end of a map line may be off across it, as a standard deviation \[m\]: 0 for
         /// a drawing, about one cell for lines that were found in a grid.
         pub map_sigma: f64 = 0.0 => non_negative;

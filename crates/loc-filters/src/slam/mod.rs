@@ -98,8 +98,8 @@ impl Localizer for SlamLocalizer {
         if dt <= 0.0 {
             return Ok(pose.into());
         }
-        let SlamSettings { integration, motion_noise, .. } = self.slam.settings();
-        Ok(dead_reckon(&pose, self.twist, dt, *integration, motion_noise).into())
+        let crate::RobotSettings { integration, odometry, .. } = self.slam.settings().robot;
+        Ok(dead_reckon(&pose, self.twist, dt, integration, &odometry).into())
     }
 
     fn map(&self) -> Result<Option<EstimatedMap>> {

@@ -50,13 +50,13 @@ fn world(rng: &mut ChaCha8Rng, landmarks: usize, observations: usize) -> Points 
 }
 
 fn associate(rule: Rule, pairing: &impl Pairing<2>) -> Association {
-    let settings = AssociationSettings { rule, ..AssociationSettings::default() };
+    let settings = AssociationSettings::default().rule(rule);
     Associator::new(settings).unwrap().associate(pairing).unwrap()
 }
 
 /// The same, believing the likeliest however little it leads.
 fn trusting(rule: Rule, pairing: &impl Pairing<2>) -> Association {
-    let settings = AssociationSettings { rule, min_ratio: 1.0, ..Default::default() };
+    let settings = AssociationSettings::default().rule(rule).min_ratio(1.0);
     Associator::new(settings).unwrap().associate(pairing).unwrap()
 }
 
@@ -162,7 +162,7 @@ fn a_search_that_is_cut_short_says_so() {
     let mut rng = stream(5, "crowd");
     let points = world(&mut rng, 20, 20);
     let search = |search_limit| {
-        let settings = AssociationSettings { search_limit, ..AssociationSettings::default() };
+        let settings = AssociationSettings::default().search_limit(search_limit);
         Associator::new(settings).unwrap().associate(&points).unwrap()
     };
     let (short, long) = (search(1), search(20_000));
@@ -200,7 +200,7 @@ fn nothing_much_and_nonsense() {
     };
     assert!(refused(f64::NAN, 1.0).contains("residual of an observation: expected finite"));
     assert!(refused(0.0, -1.0).contains("positive definite"));
-    let gate = AssociationSettings { gate_probability: 1.5, ..AssociationSettings::default() };
+    let gate = AssociationSettings::default().gate_probability(1.5);
     assert!(Associator::new(gate).is_err());
 }
 

@@ -124,22 +124,12 @@ fn settings() -> FusionSettings {
         start_bias,
         limit: 50.0,
     };
-    FusionSettings {
-        motion_noise: VelocityNoise::from_sigmas(0.05, 0.1, 0.03).unwrap(),
-        observation_noise: LandmarkNoise { range_sigma: 0.2, ..LandmarkNoise::default() },
-        range_bias: BiasPrior { scale_sigma: 0.05, offset_sigma: 0.2 },
-        imu: ImuSpec { rate: 20.0, accelerometer: axis(0.01, 0.1), gyroscope: axis(0.001, 0.01) },
-        compass_sigma: 0.05,
-        gnss: GnssNoise {
+    FusionSettings::default().robot(RobotSettings::default().odometry(VelocityNoise::from_sigmas(0.05, 0.1, 0.03).unwrap()).camera(LandmarkNoise { range_sigma: 0.2, ..LandmarkNoise::default() })).range_bias(BiasPrior { scale_sigma: 0.05, offset_sigma: 0.2 }).imu(ImuSpec { rate: 20.0, accelerometer: axis(0.01, 0.1), gyroscope: axis(0.001, 0.01) }).compass_sigma(0.05).gnss(GnssNoise {
             white_sigma: 0.5,
             drift_sigma: 0.5,
             drift_time: 30.0,
             vertical_factor: 1.0,
-        },
-        start_speed: 0.1,
-        start_turn: 0.1,
-        ..FusionSettings::default()
-    }
+        }).start_speed(0.1).start_turn(0.1)
 }
 
 fn map() -> LandmarkMap {
@@ -319,7 +309,7 @@ fn an_outage_widens_the_belief_and_its_end_narrows_it() {
 /// Wheels alone are dead reckoning, as if there was no other state.
 #[test]
 fn sensors_that_never_come_change_nothing() {
-    let settings = FusionSettings { start_speed: 10.0, start_turn: 10.0, ..settings() };
+    let settings = settings().start_speed(10.0).start_turn(10.0);
     let start = pose_belief(Pose2::new(1.0, 2.0, 0.3), [0.1, 0.1, 0.05]);
     let mut robot = Delayed::new(
         FusedLocalizer::new(LandmarkMap::default(), settings, 0.0, start).unwrap(),
@@ -476,10 +466,10 @@ fn settings_that_are_none_are_refused() {
         let error = FusedLocalizer::new(map(), settings, 0.0, start).unwrap_err().to_string();
         assert!(error.contains(part), "{error}");
     };
-    refuse(FusionSettings { compass_sigma: 0.0, ..settings() }, "compass");
-    refuse(FusionSettings { speed_walk: f64::NAN, ..settings() }, "speed");
-    refuse(FusionSettings { range_bias: BiasPrior::FREE_SCALE, ..settings() }, "range scale");
-    refuse(FusionSettings { gate_probability: 0.0, ..settings() }, "gate");
+    refuse(settings().compass_sigma(0.0), "compass");
+    refuse(settings().speed_walk(f64::NAN), "speed");
+    refuse(settings().range_bias(BiasPrior::FREE_SCALE), "range scale");
+    refuse(settings().robot(settings().robot.gate_probability(0.0)), "gate");
     let mut wrong = start;
     wrong.covariance[(0, 0)] = -1.0;
     assert!(FusedLocalizer::new(map(), settings(), 0.0, wrong).is_err());

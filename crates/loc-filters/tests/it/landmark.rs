@@ -35,7 +35,7 @@ fn one_step_against_plain_matrices() {
     )
     .unwrap();
     let settings =
-        RobotSettings { integration: Integration::Euler, ..RobotSettings::default() };
+        RobotSettings::default().integration(Integration::Euler);
     let mut ekf = LandmarkEkf::new(start, settings).unwrap();
     ekf.predict(twist, dt).unwrap();
     ekf.correct(&map(), &see(1, 3.4, -0.25)).unwrap();
@@ -98,7 +98,7 @@ fn unknown_landmarks_and_outliers_change_nothing() {
     assert!(ekf.predict(Twist2::ZERO, -0.1).is_err());
     assert_eq!(*ekf.belief(), start);
     let noiseless =
-        RobotSettings { observation_noise: LandmarkNoise::NONE, ..RobotSettings::default() };
+        RobotSettings::default().camera(LandmarkNoise::NONE);
     assert!(LandmarkEkf::new(start, noiseless).is_err());
 }
 

@@ -285,7 +285,7 @@ struct Drive {
 
 fn drive<F: NonlinearFilter<3>>(seed: u64) -> Drive {
     let motion_noise = VelocityNoise::from_sigmas(0.05, 0.1, 0.05).unwrap();
-    let settings = RobotSettings { motion_noise, ..RobotSettings::default() };
+    let settings = RobotSettings::default().odometry(motion_noise);
     let map = LandmarkMap::new([
         Landmark::planar(1, 4.0, 0.5),
         Landmark::planar(2, 3.0, 4.0),

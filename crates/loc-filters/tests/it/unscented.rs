@@ -163,7 +163,7 @@ fn angles_are_averaged_on_the_circle() {
 fn a_near_landmark_is_expected_as_it_is_seen() {
     let map = LandmarkMap::new([Landmark::planar(1, 1.5, 0.0)]).unwrap();
     let start = pose_belief(Pose2::IDENTITY, [0.05, 0.8, 0.01]);
-    let mut settings = RobotSettings { gate_probability: 1.0, ..RobotSettings::default() };
+    let mut settings = RobotSettings::default().gate_probability(1.0);
     settings.observation_noise.range_sigma = 0.05;
     let mut rng = stream(4, "draws");
     let ranges: Vec<f64> = (0..100_000)

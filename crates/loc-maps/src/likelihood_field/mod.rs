@@ -29,7 +29,7 @@
 //! use loc_maps::likelihood_field::{Endpoints, LikelihoodField, LikelihoodFieldSettings};
 //! let mut grid = OccupancyGrid::filled(GridFrame::new(100, 100, 0.05, Pose2::IDENTITY)?, 0);
 //! (0..100).try_for_each(|row| grid.set(Cell::new(80, row), 100))?;
-//! let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::default())?;
+//! let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::nav2())?;
 //! let scan = Endpoints::from_scan(&[-0.1, 0.0, 0.1], &[2.0, 2.0, 2.0]);
 //! let right = field.log_likelihood(Pose2::new(2.0, 2.5, 0.0), &scan);
 //! let wrong = field.log_likelihood(Pose2::new(1.5, 2.5, 0.0), &scan);
@@ -127,7 +127,7 @@ impl LikelihoodField {
     /// use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
     /// use loc_maps::worlds::{self, WorldSettings};
     /// let office = worlds::office(&WorldSettings::default())?.grid;
-    /// let field = LikelihoodField::new(&office, &LikelihoodFieldSettings::default())?;
+    /// let field = LikelihoodField::new(&office, &LikelihoodFieldSettings::nav2())?;
     /// let scan = Endpoints::from_scan(&[-0.5, 0.5], &[2.0, 3.0]);
     /// let (x, y, theta) = ([1.0, 2.0, f64::NAN], [1.0, 1.0, 1.0], [0.0, 0.1, 0.2]);
     /// let mut out = [0.0; 3];

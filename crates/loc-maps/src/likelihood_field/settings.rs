@@ -7,23 +7,26 @@ use crate::{DistanceMap, Result};
 use loc_core::error::positive;
 
 loc_core::settings! {
-    /// Settings of a likelihood field; the defaults are those of nav2_amcl for a sensor of 12 m.
+    /// Settings of a likelihood field.
+    ///
+    /// The defaults are sharper than those of nav2_amcl ([`nav2`](Self::nav2)), on the surfaces of
+    /// the walls: the filters of this workspace can follow such a field.
     #[derive(Copy)]
     pub struct LikelihoodFieldSettings {
         /// Standard deviation of the distance between a beam's end and its obstacle \[m\]
         /// (`sigma_hit`).
-        pub sigma_hit: f64 = 0.2 => positive;
+        pub sigma_hit: f64 = 0.05 => positive;
         /// Share of the beams that end on an obstacle of the map (`z_hit`).
-        pub z_hit: f64 = 0.5 => non_negative;
+        pub z_hit: f64 = 0.8 => non_negative;
         /// Share of the beams that end anywhere (`z_rand`).
-        pub z_rand: f64 = 0.5 => positive;
+        pub z_rand: f64 = 0.2 => positive;
         /// The range over which those are spread \[m\] (`laser_max_range`).
         pub max_range: f64 = 12.0 => positive;
         /// Farther from all obstacles than this, the likelihood stays as it is there \[m\]
         /// (`laser_likelihood_max_dist`).
         pub max_distance: f64 = 2.0 => positive;
         /// Which occupied cells a beam may end on.
-        pub obstacles: Obstacles = Obstacles::default() => any;
+        pub obstacles: Obstacles = Obstacles::Surfaces => any;
         /// What the likelihood is in unknown cells.
         pub unknown_space: UnknownSpace = UnknownSpace::default() => check;
         /// What the likelihood is off the map.
@@ -32,12 +35,11 @@ loc_core::settings! {
 }
 
 /// Which occupied cells a beam may end on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Obstacles {
     /// All of them, the inside of thick walls too.
-    #[default]
     OccupiedCells,
     /// Those that touch a free cell at a side or a corner. No beam ends deep inside a thick wall
     /// or a solid block, so a pose that sees it there is wrong.
@@ -95,6 +97,17 @@ pub enum OffMap {
 }
 
 impl LikelihoodFieldSettings {
+    /// The defaults of nav2_amcl, for a sensor of 12 m.
+    pub fn nav2() -> Self {
+        LikelihoodFieldSettings {
+            sigma_hit: 0.2,
+            z_hit: 0.5,
+            z_rand: 0.5,
+            obstacles: Obstacles::OccupiedCells,
+            ..LikelihoodFieldSettings::default()
+        }
+    }
+
     /// The density of a beam's end at `distance` \[m\] from the nearest obstacle \[1/m\]:
     /// `z_hit N(distance; 0, sigma_hit^2) + z_rand / max_range`.
     ///

@@ -44,7 +44,7 @@
 //! use loc_maps::search::{GlobalSearch, SearchSettings};
 //! use loc_sensors::laser::{LaserScanner, LaserSpec};
 //! let map = worlds::office(&WorldSettings { width: 200, height: 200, ..Default::default() })?.grid;
-//! let field = LikelihoodField::new(&map, &LikelihoodFieldSettings::default())?;
+//! let field = LikelihoodField::new(&map, &LikelihoodFieldSettings::nav2())?;
 //! let search = GlobalSearch::new(&map, field, SearchSettings::default())?;
 //!
 //! let robot = Pose2::new(3.0, 2.5, 1.2);

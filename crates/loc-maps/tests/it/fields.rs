@@ -103,7 +103,7 @@ fn half_step(settings: &LikelihoodFieldSettings) -> f64 {
 
 #[test]
 fn the_byte_loses_half_a_step_at_most() {
-    let settings = LikelihoodFieldSettings::default();
+    let settings = LikelihoodFieldSettings::nav2();
     let grid = grid(0.4);
     let field = LikelihoodField::new(&grid, &settings).unwrap();
     let distances = DistanceMap::new(&grid, settings.max_distance).unwrap();
@@ -122,7 +122,7 @@ fn the_byte_loses_half_a_step_at_most() {
 
 #[test]
 fn a_scan_is_the_sum_of_its_beams_on_the_map_and_off_it() {
-    let settings = LikelihoodFieldSettings::default();
+    let settings = LikelihoodFieldSettings::nav2();
     let grid = grid(-1.1);
     let field = LikelihoodField::new(&grid, &settings).unwrap();
     let mut rng = stream(5, "field");
@@ -142,7 +142,7 @@ fn a_scan_is_the_sum_of_its_beams_on_the_map_and_off_it() {
 
 #[test]
 fn off_the_map_is_far_from_everything() {
-    let settings = LikelihoodFieldSettings::default();
+    let settings = LikelihoodFieldSettings::nav2();
     let field = LikelihoodField::new(&grid(0.0), &settings).unwrap();
     let far = settings.likelihood(2.0).ln();
     for (x, y) in [(0.0, 0.0), (1e30, -1e30), (f64::INFINITY, 0.0), (3.99, -1.99), (f64::NAN, 0.0)]
@@ -157,7 +157,7 @@ fn off_the_map_is_far_from_everything() {
 #[test]
 fn unknown_space_has_a_likelihood_of_its_own() {
     let unknown_space = UnknownSpace::Likelihood(1.0 / 12.0);
-    let settings = LikelihoodFieldSettings { unknown_space, ..Default::default() };
+    let settings = LikelihoodFieldSettings::nav2().unknown_space(unknown_space);
     let grid = grid(0.0);
     let field = LikelihoodField::new(&grid, &settings).unwrap();
     for center in grid.centers_of(Occupancy::Unknown) {
@@ -168,15 +168,15 @@ fn unknown_space_has_a_likelihood_of_its_own() {
 
 #[test]
 fn bad_settings_are_refused() {
-    let good = LikelihoodFieldSettings::default();
+    let good = LikelihoodFieldSettings::nav2();
     let bad = [
-        LikelihoodFieldSettings { sigma_hit: 0.0, ..good },
-        LikelihoodFieldSettings { z_hit: -0.1, ..good },
-        LikelihoodFieldSettings { z_rand: 0.0, ..good },
-        LikelihoodFieldSettings { max_range: f64::INFINITY, ..good },
-        LikelihoodFieldSettings { max_distance: f64::NAN, ..good },
-        LikelihoodFieldSettings { unknown_space: UnknownSpace::Likelihood(0.0), ..good },
-        LikelihoodFieldSettings { off_map: OffMap::Likelihood(f64::NAN), ..good },
+        good.sigma_hit(0.0),
+        good.z_hit(-0.1),
+        good.z_rand(0.0),
+        good.max_range(f64::INFINITY),
+        good.max_distance(f64::NAN),
+        good.unknown_space(UnknownSpace::Likelihood(0.0)),
+        good.off_map(OffMap::Likelihood(f64::NAN)),
     ];
     for settings in bad {
         assert!(likelihood_field::LikelihoodField::new(&grid(0.0), &settings).is_err());
@@ -199,7 +199,7 @@ fn scan(beams: usize) -> Endpoints {
 
 #[test]
 fn many_poses_are_rated_as_one_by_one() {
-    let field = LikelihoodField::new(&grid(0.7), &LikelihoodFieldSettings::default()).unwrap();
+    let field = LikelihoodField::new(&grid(0.7), &LikelihoodFieldSettings::nav2()).unwrap();
     let [x, y, theta] = poses(200);
     for (beams, count) in [(0, 200), (61, 200), (600, 130), (60, 64), (60, 0)] {
         let scan = scan(beams);
@@ -215,7 +215,7 @@ fn many_poses_are_rated_as_one_by_one() {
 
 #[test]
 fn sums_and_hits_are_those_of_single_beams() {
-    let settings = LikelihoodFieldSettings::default();
+    let settings = LikelihoodFieldSettings::nav2();
     let field = LikelihoodField::new(&grid(0.7), &settings).unwrap();
     let ([x, y, theta], scan) = (poses(100), scan(75));
     let cubes = field.table(|log_likelihood| (3.0 * log_likelihood).exp());
@@ -245,7 +245,7 @@ fn a_long_map_is_read_exactly() {
     let frame = GridFrame::new(300_000, 3, 0.05, Pose2::new(0.0, 1.0, 0.3)).unwrap();
     let mut grid = OccupancyGrid::filled(frame, 0);
     grid.set(Cell::new(299_990, 1), 100).unwrap();
-    let settings = LikelihoodFieldSettings { max_distance: 0.5, ..Default::default() };
+    let settings = LikelihoodFieldSettings::nav2().max_distance(0.5);
     let field = LikelihoodField::new(&grid, &settings).unwrap();
     let scan: Endpoints = [[1.0, 0.0], [9.0, 0.0]].into_iter().collect();
     let far = settings.likelihood(0.5).ln();
@@ -261,7 +261,7 @@ fn a_long_map_is_read_exactly() {
 #[test]
 fn off_the_map_has_a_likelihood_of_its_own() {
     let off_map = OffMap::Likelihood(1.0 / 30.0);
-    let settings = LikelihoodFieldSettings { off_map, ..Default::default() };
+    let settings = LikelihoodFieldSettings::nav2().off_map(off_map);
     let field = LikelihoodField::new(&grid(0.2), &settings).unwrap();
     let found = field.log_likelihood_at(&Point2::new(0.0, 0.0));
     assert!((found - (1.0_f64 / 30.0).ln()).abs() < 1e-9, "{found}");
@@ -276,9 +276,9 @@ fn no_beam_ends_inside_a_thick_wall() {
     {
         grid.set(cell, 100).unwrap();
     }
-    let settings = LikelihoodFieldSettings::default();
+    let settings = LikelihoodFieldSettings::nav2();
     let thick = LikelihoodField::new(&grid, &settings).unwrap();
-    let surfaces = LikelihoodFieldSettings { obstacles: Obstacles::Surfaces, ..settings };
+    let surfaces = settings.obstacles(Obstacles::Surfaces);
     let surfaces = LikelihoodField::new(&grid, &surfaces).unwrap();
     for cell in frame.cells() {
         let at = frame.center(cell);

@@ -129,7 +129,7 @@ fn the_answers_are_those_of_brute_force() {
     let sizes = [[37, 23], [16, 16], [70, 9], [1, 60], [65, 33]];
     for (number, size) in sizes.into_iter().enumerate() {
         let map = random_map(size, &mut rng);
-        let mut field = LikelihoodFieldSettings { max_distance: 0.5, ..Default::default() };
+        let mut field = LikelihoodFieldSettings::nav2().max_distance(0.5);
         if number % 2 == 1 {
             field.unknown_space = UnknownSpace::Likelihood(0.2);
             field.off_map = OffMap::Likelihood(0.3);
@@ -155,7 +155,7 @@ fn the_answers_are_those_of_brute_force() {
 fn ties_are_broken_as_by_brute_force() {
     let mut rng = stream(2, "global");
     let map = random_map([40, 30], &mut rng);
-    let field = LikelihoodField::new(&map, &LikelihoodFieldSettings::default()).unwrap();
+    let field = LikelihoodField::new(&map, &LikelihoodFieldSettings::nav2()).unwrap();
     for beams in [1, 2] {
         let endpoints = random_ends(beams, 1.0, &mut rng);
         for candidates in [1, 3, 40] {
@@ -171,7 +171,7 @@ fn lots_and_zones_lose_nothing() {
     let mut rng = stream(6, "global");
     for round in 0..120 {
         let map = random_map([36, 50], &mut rng);
-        let field = LikelihoodFieldSettings { max_distance: 0.4, ..Default::default() };
+        let field = LikelihoodFieldSettings::nav2().max_distance(0.4);
         let field = LikelihoodField::new(&map, &field).unwrap();
         let endpoints = random_ends(2 + round % 5, 2.0, &mut rng);
         let settings = SearchSettings {
@@ -190,7 +190,7 @@ fn lots_and_zones_lose_nothing() {
 fn many_beams_do_not_overflow() {
     let mut rng = stream(3, "global");
     let map = random_map([30, 20], &mut rng);
-    let field = LikelihoodField::new(&map, &LikelihoodFieldSettings::default()).unwrap();
+    let field = LikelihoodField::new(&map, &LikelihoodFieldSettings::nav2()).unwrap();
     let endpoints = random_ends(300, 1.5, &mut rng);
     check(&map, &field, &endpoints, &settings(4));
 
@@ -220,7 +220,7 @@ fn a_large_map_has_one_more_level() {
             map.set(cell, value).unwrap();
         }
     }
-    let field = LikelihoodFieldSettings { max_distance: 0.3, ..Default::default() };
+    let field = LikelihoodFieldSettings::nav2().max_distance(0.3);
     let field = LikelihoodField::new(&map, &field).unwrap();
     let settings = SearchSettings { angle_step: TAU / 6200.0, ..settings(3) };
     check(&map, &field, &random_ends(6, 4.0, &mut rng), &settings);
@@ -230,7 +230,7 @@ fn a_large_map_has_one_more_level() {
 fn threads_change_nothing() {
     let mut rng = stream(5, "global");
     let map = random_map([90, 80], &mut rng);
-    let field = LikelihoodField::new(&map, &LikelihoodFieldSettings::default()).unwrap();
+    let field = LikelihoodField::new(&map, &LikelihoodFieldSettings::nav2()).unwrap();
     let endpoints = random_ends(20, 3.0, &mut rng);
     let search = |threads| {
         let settings = SearchSettings { threads, refine: true, ..settings(10) };

@@ -8,7 +8,7 @@ use loc_maps::worlds::{self, WorldSettings};
 use loc_maps::{Error, GlobalSearch, SearchSettings};
 
 fn field(map: &OccupancyGrid) -> LikelihoodField {
-    LikelihoodField::new(map, &LikelihoodFieldSettings::default()).unwrap()
+    LikelihoodField::new(map, &LikelihoodFieldSettings::nav2()).unwrap()
 }
 
 fn search(map: &OccupancyGrid, settings: SearchSettings) -> GlobalSearch {

@@ -37,7 +37,7 @@ fn odd_scans(folder: &Path, thinning: usize) -> Vec<Scan> {
 
 fn search(folder: &Path, step: f64) -> GlobalSearch {
     let map = io::load(folder.join("intel_even.yaml")).unwrap();
-    let field = LikelihoodFieldSettings { max_range: 30.0, ..Default::default() };
+    let field = LikelihoodFieldSettings::nav2().max_range(30.0);
     let field = LikelihoodField::new(&map, &field).unwrap();
     let angle_step = step.to_radians();
     GlobalSearch::new(&map, field, SearchSettings { angle_step, ..Default::default() }).unwrap()

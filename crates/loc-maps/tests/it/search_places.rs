@@ -13,7 +13,7 @@ use rand::RngExt;
 use std::f64::consts::PI;
 
 fn field(map: &OccupancyGrid) -> LikelihoodField {
-    LikelihoodField::new(map, &LikelihoodFieldSettings::default()).unwrap()
+    LikelihoodField::new(map, &LikelihoodFieldSettings::nav2()).unwrap()
 }
 
 fn search(map: &OccupancyGrid, settings: SearchSettings) -> GlobalSearch {
@@ -86,7 +86,7 @@ fn noise_and_people_leave_the_answer_right() {
     let settings = SearchSettings { angle_step: 2_f64.to_radians(), ..Default::default() };
     // Beams end on surfaces only, and near them: see the module's words about wrong answers.
     let obstacles = Obstacles::Surfaces;
-    let field = LikelihoodFieldSettings { sigma_hit: 0.1, obstacles, ..Default::default() };
+    let field = LikelihoodFieldSettings::nav2().sigma_hit(0.1).obstacles(obstacles);
     let field = LikelihoodField::new(&map, &field).unwrap();
     let search = GlobalSearch::new(&map, field, settings).unwrap();
     let faults = LaserFaults { dropout: 0.05, erroneous: 0.02, short: 0.2 };

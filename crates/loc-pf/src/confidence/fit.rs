@@ -79,7 +79,7 @@ impl ScanRater {
         let draw = |_| free_space.draw(rng);
         let mut poses = Particles::from_poses((0..Self::POSES).map(draw));
         poses.push(Pose2::IDENTITY, 0.0);
-        let field = LikelihoodField::new(map, &LikelihoodFieldSettings::default())?;
+        let field = LikelihoodField::new(map, &LikelihoodFieldSettings::nav2())?;
         Ok(ScanRater { walls: RayCaster::new(map), field, poses, shares: Vec::new() })
     }
 

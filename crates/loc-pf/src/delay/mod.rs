@@ -205,7 +205,7 @@ impl DelaySettings {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
-    pub fn check(&self) -> Result<()> {
+    pub fn check(&self) -> loc_core::Result<()> {
         positive("longest delay [s]", self.longest)?;
         positive("shortest step between scans [s]", self.shortest_step)?;
         positive("longest step between scans [s]", self.longest_step)?;

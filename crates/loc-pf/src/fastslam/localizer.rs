@@ -2,6 +2,7 @@
 
 use super::{FastSlam, FastSlamSettings, finite_twist};
 use crate::Result;
+use loc_filters::RobotSettings;
 use loc_core::motion::dead_reckon;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Twist2};
@@ -87,8 +88,8 @@ impl Localizer for FastSlamLocalizer {
         if dt <= 0.0 {
             return Ok(pose.into());
         }
-        let FastSlamSettings { integration, motion_noise, .. } = self.slam.settings();
-        Ok(dead_reckon(&pose, self.twist, dt, *integration, motion_noise).into())
+        let RobotSettings { integration, odometry, .. } = &self.slam.settings().robot;
+        Ok(dead_reckon(&pose, self.twist, dt, *integration, odometry).into())
     }
 
     fn particle_count(&self) -> usize {

@@ -50,6 +50,7 @@ pub use settings::FastSlamSettings;
 
 use crate::log_weights::{Mass, divide};
 use crate::{Particles, Result, Workers};
+use loc_filters::RobotSettings;
 use loc_core::gaussian::check_covariance;
 use loc_core::motion::dead_reckon;
 use loc_core::random::ChaCha8Rng;
@@ -100,12 +101,13 @@ impl FastSlam {
     /// [`loc_core::Error`] for a belief or settings that are not valid, [`crate::Error::Threads`].
     pub fn new(start: Gaussian<3>, settings: FastSlamSettings, rng: ChaCha8Rng) -> Result<Self> {
         settings.check()?;
+        let gate = settings.robot.gate()?;
         let mut start = Gaussian::new(start.mean, start.covariance)?;
         start.mean.z = loc_core::angle::wrap(start.mean.z);
         let count = settings.particles;
         let new_landmark_gate = Gate::probability(settings.map.new_landmark_probability)?;
         Ok(FastSlam {
-            gate: Gate::probability(settings.robot.gate_probability)?,
+            gate,
             new_landmark_gate: new_landmark_gate.threshold(2),
             associator: Associator::new(settings.association)?,
             particles: vec![Particle::new(start); count],
@@ -144,10 +146,10 @@ impl FastSlam {
     fn drive(&mut self, twist: Twist2, dt: f64) -> loc_filters::Result<()> {
         finite_twist(twist)?;
         loc_core::error::non_negative("time step [s]", dt)?;
-        let FastSlamSettings { integration, motion_noise, .. } = self.settings;
+        let RobotSettings { integration, odometry, .. } = self.settings.robot;
         let step = self.step + 1;
         let drive = |particle: &Particle| {
-            dead_reckon(&particle.belief, twist, dt, integration, &motion_noise)
+            dead_reckon(&particle.belief, twist, dt, integration, &odometry)
         };
         let driven: Vec<Gaussian<3>> = self.particles.iter().map(drive).collect();
         driven.iter().try_for_each(|belief| check(belief, step))?;

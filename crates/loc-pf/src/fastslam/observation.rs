@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn jacobians_are_the_slopes_of_the_residual() {
         let mounting = Pose2::new(0.2, -0.1, 0.4);
-        let settings = FastSlamSettings { mounting, ..FastSlamSettings::default() };
+        let settings = FastSlamSettings::default().robot(RobotSettings::default().mounting(mounting));
         let (pose, located) = (Vector3::new(1.0, -2.0, 0.7), Vector2::new(3.1, 0.4));
         let sight = Observed::RangeBearing { range: 2.0, bearing: 0.3 };
         let at = |pose: Vector3<f64>, located| Linearized::new(&settings, &pose, &located, sight);

@@ -2,6 +2,7 @@
 
 use crate::resample::{ResamplePolicy, ResampleWhen};
 use crate::{Resampling, Result};
+use loc_filters::RobotSettings;
 use loc_core::Pose2;
 use loc_core::error::{finite, in_range, non_negative, positive};
 use loc_core::motion::{Integration, VelocityNoise};
@@ -23,7 +24,7 @@ loc_core::settings! {
         /// Whether the data association is known (landmarks have numbers).
         pub identities: Identities = Identities::Known => any;
         /// Data association of landmarks without numbers, for each particle.
-        pub association: AssociationSettings = FastSlamSettings::ASSOCIATION => check;
+        pub association: AssociationSettings = FastSlamSettings::textbook_association() => check;
         /// Management of landmarks in the map. FastSLAM does not use `merge_ratio`.
         pub map: MapSettings = MapSettings::default() => check;
         /// Share of observations, in (0, 1], that a particle expects to be of something new. Without
@@ -44,12 +45,10 @@ loc_core::settings! {
 impl FastSlamSettings {
     /// The textbook's association: each particle takes the likeliest landmark, at any
     /// margin. Wrong associations lower the weight of the particle later.
-    pub const ASSOCIATION: AssociationSettings = AssociationSettings {
-        rule: Rule::MaximumLikelihood,
-        gate_probability: 0.999,
-        min_ratio: 1.0,
-        search_limit: 5_000,
-    };
+    pub fn textbook_association() -> AssociationSettings {
+        let rule = Rule::MaximumLikelihood;
+        AssociationSettings::default().rule(rule).gate_probability(0.999).min_ratio(1.0)
+    }
 
     /// When to resample.
     pub(super) fn policy(&self) -> ResamplePolicy {
@@ -57,7 +56,7 @@ impl FastSlamSettings {
     }
 
     pub(super) fn model(&self, landmark: Point2<f64>) -> RangeBearingModel {
-        RangeBearingModel { landmark, mounting: self.mounting, noise: self.observation_noise }
+        RangeBearingModel { landmark, mounting: self.robot.mounting, noise: self.robot.camera }
     }
 
     /// Variances of distance and direction of something at a distance \[m\].

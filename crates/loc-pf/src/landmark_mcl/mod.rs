@@ -32,6 +32,7 @@ pub use update::ObservationUpdate;
 
 use crate::estimate::moments;
 use crate::{ParticleFilter, Particles, Result, Workers};
+use loc_filters::RobotSettings;
 use loc_core::Gaussian;
 use loc_core::error::finite;
 use loc_core::motion::{Twist2, dead_reckon};
@@ -179,10 +180,10 @@ impl LandmarkMcl {
     pub fn belief_at(&self, stamp: f64) -> Result<Gaussian<3>> {
         finite("stamp [s]", stamp)?;
         let State { stamp: from, belief, .. } = self.state;
-        let LandmarkMclSettings { integration, motion_noise, .. } = &self.settings;
+        let RobotSettings { integration, odometry, .. } = &self.settings.robot;
         let drive = self.velocities.between(from, stamp);
         Ok(drive.fold(belief, |belief, interval| {
-            dead_reckon(&belief, interval.twist, interval.duration, *integration, motion_noise)
+            dead_reckon(&belief, interval.twist, interval.duration, *integration, odometry)
         }))
     }
 

@@ -2,6 +2,7 @@
 
 use crate::sensor::landmark::ObservationModel;
 use crate::{Resampling, Result};
+use loc_filters::RobotSettings;
 use loc_core::error::{in_range, positive, probability};
 use loc_core::motion::{Integration, VelocityNoise};
 
@@ -13,6 +14,10 @@ loc_core::settings! {
         pub robot: RobotSettings = RobotSettings::default() => check;
         /// Number of particles.
         pub particles: usize = 2000 => at_least(1);
+        /// Share of outliers, such as misread numbers, in \[0, 1).
+        pub outlier_share: f64 = 0.01 => holds("a number in [0, 1)", |s| (0.0..1.0).contains(&s.outlier_share));
+        /// Distance up to which landmarks are seen \[m\]: outliers are uniform within it.
+        pub outlier_range: f64 = 10.0 => positive;
         /// How far the robot may be outside of the box around the landmarks \[m\].
         pub margin: f64 = 1.0 => positive;
         /// The particle set is resampled where its effective sample size falls below this share.
@@ -43,3 +48,15 @@ loc_core::settings! {
     }
 }
 
+
+impl LandmarkMclSettings {
+    /// The observation model of the robot's camera with these outliers.
+    pub fn observation_model(&self) -> ObservationModel {
+        ObservationModel {
+            noise: self.robot.camera,
+            mounting: self.robot.mounting,
+            outlier_share: self.outlier_share,
+            outlier_range: self.outlier_range,
+        }
+    }
+}

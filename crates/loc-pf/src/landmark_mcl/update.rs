@@ -77,7 +77,7 @@ impl LandmarkMcl {
         stamp: f64,
         observations: &[LandmarkObservation],
     ) -> Result<ObservationUpdate> {
-        let likelihood = LandmarkLikelihood::new(&self.map, observations, &self.settings.sights)?;
+        let likelihood = LandmarkLikelihood::new(&self.map, observations, &self.settings.observation_model())?;
         self.predict_to(stamp);
         self.state.resampled = false;
         if likelihood.is_empty() {
@@ -211,7 +211,7 @@ impl LandmarkMcl {
             let sigma = covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt();
             MAX_STEP * largest[k] / sigma
         });
-        limits.fold(self.settings.roughening * suits, f64::min).min(1.0)
+        limits.fold(suits, f64::min).min(1.0)
     }
 }
 

@@ -171,10 +171,14 @@ pub(super) enum Step {
 }
 
 impl Step {
-    pub(super) fn new(path: &DrivenPath, settings: &MotionSettings) -> Result<Self> {
+    pub(super) fn new(
+        path: &DrivenPath,
+        settings: &MotionSettings,
+        noise: &PathNoise,
+    ) -> Result<Self> {
         let (from, to) = (path.start(), path.end());
         Ok(match settings {
-            MotionSettings::Path(noise) => Step::Path(NoisyStep::new(path, noise)),
+            MotionSettings::Path => Step::Path(NoisyStep::new(path, noise)),
             MotionSettings::Differential(noise) => {
                 Step::Differential(DifferentialStep::between(from, to, noise)?)
             }

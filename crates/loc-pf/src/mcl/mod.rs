@@ -243,10 +243,10 @@ impl Mcl {
     /// probability of being lost and, where the robot may be elsewhere, the search for it.
     fn process(&mut self, scans: &[MountedScan<'_>]) -> Result<UpdateReport> {
         let path = self.path.unwrap_or(DrivenPath::starting_at(Pose2::IDENTITY));
-        let motion = &self.settings.motion;
+        let noise = &self.settings.robot.path;
         let step = match self.start.take() {
-            Some(belief) => Step::from_start(&path, &belief, &motion.path_noise()),
-            None => Step::new(&path, motion)?,
+            Some(belief) => Step::from_start(&path, &belief, noise),
+            None => Step::new(&path, &self.settings.motion, noise)?,
         };
         self.path = Some(DrivenPath::starting_at(path.end()));
         let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
@@ -329,7 +329,7 @@ impl Mcl {
 
     /// The pose now with its covariance, which grows along the path since the last update.
     pub fn belief(&self) -> Gaussian<3> {
-        let noise = self.settings.motion.path_noise();
+        let noise = self.settings.robot.path;
         let belief = self.estimate.belief;
         self.path.map_or(belief, |path| noise.belief_after(&path, &belief))
     }

@@ -39,7 +39,7 @@ impl RangeOffset {
     /// Maximum offset, either way \[m\].
     pub const LARGEST: f64 = 0.15;
 
-    pub(super) fn check(&self) -> Result<()> {
+    pub(super) fn check(&self) -> loc_core::Result<()> {
         if let RangeOffset::Fixed(offset) = *self {
             let largest = RangeOffset::LARGEST;
             in_range("range_offset [m]", "from -0.15 to 0.15", offset, |x| x.abs() <= largest)?;

@@ -164,7 +164,7 @@ impl PreparedMap {
 /// The search of a map, on a field as wide as the steps of the search.
 fn search(map: &OccupancyGrid, field: &LikelihoodFieldSettings) -> Result<GlobalSearch> {
     let sigma_hit = field.sigma_hit.max(0.15).max(2.0 * map.frame().resolution());
-    let field = LikelihoodField::new(map, &LikelihoodFieldSettings { sigma_hit, ..*field })?;
+    let field = LikelihoodField::new(map, &field.sigma_hit(sigma_hit))?;
     let settings = SearchSettings {
         candidates: CANDIDATES,
         separation_distance: 0.5,
@@ -183,5 +183,5 @@ fn as_wide_as_cells(
     map: &OccupancyGrid,
 ) -> LikelihoodFieldSettings {
     let min = 20.0 * map.resolution().powi(2);
-    LikelihoodFieldSettings { sigma_hit: field.sigma_hit.max(min), ..field }
+    field.sigma_hit(field.sigma_hit.max(min))
 }

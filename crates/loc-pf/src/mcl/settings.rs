@@ -3,15 +3,16 @@
 use super::RangeOffset;
 use crate::confidence::LostSettings;
 use crate::estimate::ClusterSettings;
-use crate::motion::{OmnidirectionalNoise, PathNoise};
+use crate::motion::OmnidirectionalNoise;
 use crate::novelty::{DistanceFilter, EntropyFilter};
 use crate::recovery::{AugmentedSettings, SuspicionSettings};
 use crate::sensor::{BeamModelSettings, BeamSkip};
 use crate::tempering::TemperingSettings;
-use crate::{KldSettings, ResamplePolicy, Resampling, Result};
-use loc_core::error::{non_negative, positive};
+use crate::{KldSettings, ResamplePolicy, Resampling};
+use loc_core::error::non_negative;
 use loc_core::motion::OdometryNoise;
-use loc_maps::likelihood_field::{LikelihoodFieldSettings, Obstacles};
+use loc_filters::RobotSettings;
+use loc_maps::likelihood_field::LikelihoodFieldSettings;
 
 loc_core::settings! {
     /// Settings of [`Mcl`](crate::Mcl).
@@ -25,7 +26,7 @@ loc_core::settings! {
         /// The number of particles.
         pub particles: KldSettings = KldSettings::default() => check;
         /// Noise of the odometry.
-        pub motion: MotionSettings = MotionSettings::Path(PathNoise::default()) => check;
+        pub motion: MotionSettings = MotionSettings::Path => check;
         /// How scans rate poses.
         pub sensor: SensorSettings = SensorSettings::LikelihoodField(FieldSettings::default()) => check;
         /// Maximum number of beams of a scan that are used (`max_beams`).
@@ -66,8 +67,9 @@ loc_core::settings! {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum MotionSettings {
-    /// Any drive: variances grow with the distance travelled, and odometry fails occasionally.
-    Path(PathNoise),
+    /// Any drive: variances grow with the distance travelled, and odometry fails occasionally; the
+    /// noise is that of the robot's path.
+    Path,
     /// A differential drive: turn, drive, turn (`alpha1` to `alpha4`).
     Differential(OdometryNoise),
     /// A drive that moves sideways as well (`alpha1` to `alpha5`).
@@ -98,14 +100,11 @@ pub enum NoveltyFilter {
 
 loc_core::settings! {
     /// Settings of the likelihood field model.
-    ///
-    /// A sharper field than [`LikelihoodFieldSettings`] has by itself: the filter can follow it.
     #[derive(Copy)]
     pub struct FieldSettings {
         /// The field; its `sigma_hit` is at least 20 times the square of a cell's side \[m\], which is
         /// 0.05 m for cells of 0.05 m and 0.2 m for cells of 0.1 m.
-        #[serde(deserialize_with = "over_sharp")]
-        pub field: LikelihoodFieldSettings = field => check;
+        pub field: LikelihoodFieldSettings = LikelihoodFieldSettings::default() => check;
         /// How the beams of a scan are taken together.
         pub weighting: Weighting = Weighting::Product => any;
         /// Beam skipping: leaves out beams that end on objects that are not in the map.
@@ -133,9 +132,9 @@ loc_core::settings! {
         /// Searches the whole map for the scan at a start without pose and when the robot may be
         /// elsewhere; without it, such a start spreads particles uniformly.
         pub search: bool = true => any;
-        /// When to update_suspicion that the robot is elsewhere; `None` for never.
+        /// When to suspect that the robot is elsewhere; `None` for never.
         #[serde(with = "optional")]
-        pub suspicion: Option<SuspicionSettings> = suspicion => each;
+        pub suspicion: Option<SuspicionSettings> = Some(SuspicionSettings::default()) => each;
         /// Random particles by running averages of the evidence; `None` for none.
         #[serde(with = "optional")]
         pub augmented: Option<AugmentedSettings> = None => each;
@@ -150,19 +149,50 @@ impl Default for NoveltyFilter {
 }
 
 impl MotionSettings {
-    /// The noise by which a belief grows between two updates: that of the path, which for the other
-    /// models is the default one.
-    pub fn path_noise(&self) -> PathNoise {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
+    pub fn check(&self) -> loc_core::Result<()> {
         match self {
-            MotionSettings::Path(noise) => *noise,
-            MotionSettings::Differential(_) | MotionSettings::Omnidirectional(_) => {
-                PathNoise::default()
+            MotionSettings::Path => Ok(()),
+            MotionSettings::Differential(noise) => {
+                let OdometryNoise { alpha1, alpha2, alpha3, alpha4 } = *noise;
+                for alpha in [alpha1, alpha2, alpha3, alpha4] {
+                    non_negative("alpha1 to alpha4 of the odometry", alpha)?;
+                }
+                Ok(())
             }
+            MotionSettings::Omnidirectional(noise) => noise.check(),
+        }
+    }
+}
+
+impl NoveltyFilter {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
+    pub fn check(&self) -> loc_core::Result<()> {
+        match self {
+            NoveltyFilter::Distance(filter) => filter.check(),
+            NoveltyFilter::Entropy(filter) => filter.check(),
         }
     }
 }
 
 impl SensorSettings {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] naming the first that is not allowed.
+    pub fn check(&self) -> loc_core::Result<()> {
+        match self {
+            SensorSettings::LikelihoodField(settings) => settings.check(),
+            SensorSettings::Beam(settings) => settings.check(),
+        }
+    }
+
     /// The settings of the likelihood field; the default ones for the beam model, which needs one
     /// only for searches.
     pub fn field(&self) -> LikelihoodFieldSettings {
@@ -181,53 +211,6 @@ impl MclSettings {
             SensorSettings::LikelihoodField(field) if field.weighting == Weighting::Product);
         is_product && self.range_offset == RangeOffset::Estimated
     }
-
-}
-
-/// A sharper field than nav2_amcl's, on the surfaces of the walls: the filter can follow it.
-pub(super) fn sharp() -> LikelihoodFieldSettings {
-    LikelihoodFieldSettings {
-        sigma_hit: 0.05,
-        z_hit: 0.8,
-        z_rand: 0.2,
-        obstacles: Obstacles::Surfaces,
-        ..LikelihoodFieldSettings::default()
-    }
-}
-
-/// Reads the settings of a field of which only some are given; the others are those of [`sharp`].
-#[cfg(feature = "serde")]
-pub(super) fn over_sharp<'de, D>(deserializer: D) -> Result<LikelihoodFieldSettings, D::Error>
-where
-    D: serde::Deserializer<'de>,
-{
-    use loc_maps::likelihood_field::{OffMap, UnknownSpace};
-    use serde::Deserialize;
-
-    #[derive(Deserialize)]
-    #[serde(deny_unknown_fields)]
-    struct Given {
-        sigma_hit: Option<f64>,
-        z_hit: Option<f64>,
-        z_rand: Option<f64>,
-        max_range: Option<f64>,
-        max_distance: Option<f64>,
-        unknown_space: Option<UnknownSpace>,
-        obstacles: Option<Obstacles>,
-        off_map: Option<OffMap>,
-    }
-
-    let (given, sharp) = (Given::deserialize(deserializer)?, sharp());
-    Ok(LikelihoodFieldSettings {
-        sigma_hit: given.sigma_hit.unwrap_or(sharp.sigma_hit),
-        z_hit: given.z_hit.unwrap_or(sharp.z_hit),
-        z_rand: given.z_rand.unwrap_or(sharp.z_rand),
-        max_range: given.max_range.unwrap_or(sharp.max_range),
-        max_distance: given.max_distance.unwrap_or(sharp.max_distance),
-        unknown_space: given.unknown_space.unwrap_or(sharp.unknown_space),
-        obstacles: given.obstacles.unwrap_or(sharp.obstacles),
-        off_map: given.off_map.unwrap_or(sharp.off_map),
-    })
 }
 
 /// Parts of the filter that can be switched off in a settings file: `tempering = false`.

@@ -125,7 +125,7 @@ impl OmnidirectionalNoise {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for negative values, NaN and infinity.
-    pub fn check(&self) -> Result<()> {
+    pub fn check(&self) -> loc_core::Result<()> {
         non_negative("alpha1", self.alpha1)?;
         non_negative("alpha2 [rad^2/m^2]", self.alpha2)?;
         non_negative("alpha3", self.alpha3)?;

@@ -317,7 +317,7 @@ impl ResamplePolicy {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for a share outside \[0, 1\] and a negative variance.
-    pub fn check(&self) -> Result<()> {
+    pub fn check(&self) -> loc_core::Result<()> {
         match self.when {
             ResampleWhen::Always | ResampleWhen::Never => {}
             ResampleWhen::EffectiveShareBelow(share) => {

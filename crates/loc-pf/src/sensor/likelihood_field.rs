@@ -13,7 +13,7 @@
 //! use loc_pf::Particles;
 //! let mut grid = OccupancyGrid::filled(GridFrame::new(100, 100, 0.05, Pose2::IDENTITY)?, 0);
 //! (0..100).try_for_each(|row| grid.set(Cell::new(80, row), 100))?;
-//! let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::default())?;
+//! let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::nav2())?;
 //! // Three beams end on the wall 2 m ahead, and one on a person.
 //! let scan = Endpoints::from_scan(&[-0.1, 0.0, 0.1, 0.2], &[2.0, 2.0, 2.0, 0.7]);
 //! let poses = [Pose2::new(2.0, 2.5, 0.0), Pose2::new(1.9, 2.5, 0.0)];

@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};
 
 fn settings(min_particles: usize, max_particles: usize) -> KldSettings {
-    KldSettings { min_particles, max_particles, ..Default::default() }
+    KldSettings::default().min_particles(min_particles).max_particles(max_particles)
 }
 
 fn cloud(sigmas: [f64; 3], count: usize) -> Particles {
@@ -44,7 +44,7 @@ fn bound_is_the_quantile_of_chi_square() {
 #[test]
 fn the_probability_is_not_taken_for_a_quantile() {
     let by =
-        |certainty| KldSettings { certainty, ..settings(1, 100_000) }.particles_for(20).unwrap();
+        |certainty| settings(1, 100_000).certainty(certainty).particles_for(20).unwrap();
     let confident = by(KldCertainty::Confidence(0.99));
     assert_eq!(confident, by(KldCertainty::Quantile(2.326_348)));
     // nav2's reading of 0.99 is the confidence 0.839.
@@ -113,7 +113,7 @@ fn bins_are_those_of_a_hash_set() {
         };
         let all: HashSet<_> = cloud.poses().iter().map(bin).collect();
         // With equal weights the spoke wheel looks at every particle once.
-        let all_particles = KldSettings { bin_heading: heading, ..settings(3000, 3000) };
+        let all_particles = settings(3000, 3000).bin_heading(heading);
         let mut kld = Kld::new(all_particles).unwrap();
         for _ in 0..2 {
             assert_eq!(draw(&mut kld, Resampling::Systematic, &cloud).len(), 3000);
@@ -154,11 +154,11 @@ fn settings_are_checked() {
     let defaults = KldSettings::default;
     assert!(Kld::new(defaults()).is_ok());
     let bad = [
-        KldSettings { error: 0.0, ..defaults() },
-        KldSettings { certainty: KldCertainty::Confidence(1.0), ..defaults() },
-        KldSettings { certainty: KldCertainty::Quantile(f64::NAN), ..defaults() },
-        KldSettings { bin_position: -0.5, ..defaults() },
-        KldSettings { bin_heading: f64::NAN, ..defaults() },
+        defaults().error(0.0),
+        defaults().certainty(KldCertainty::Confidence(1.0)),
+        defaults().certainty(KldCertainty::Quantile(f64::NAN)),
+        defaults().bin_position(-0.5),
+        defaults().bin_heading(f64::NAN),
         settings(0, 10),
         settings(11, 10),
     ];

@@ -143,16 +143,13 @@ fn settings_out_of_range_are_named() {
     let map = office(1);
     let refused =
         |settings: MclSettings| Mcl::new(&map, settings, stream(1, "mcl")).unwrap_err().to_string();
-    let kld = |min_particles, max_particles| MclSettings {
-        particles: KldSettings { min_particles, max_particles, ..KldSettings::default() },
-        ..MclSettings::default()
-    };
+    let kld = |min_particles, max_particles| MclSettings::default().particles(KldSettings::default().min_particles(min_particles).max_particles(max_particles));
     assert!(refused(kld(0, 10)).contains("min_particles"));
     assert!(refused(kld(11, 10)).contains("max_particles"));
-    assert!(refused(MclSettings { beams: 0, ..Default::default() }).contains("beams"));
-    let settings = MclSettings { independent_beams: f64::NAN, ..Default::default() };
+    assert!(refused(MclSettings::default().beams(0)).contains("beams"));
+    let settings = MclSettings::default().independent_beams(f64::NAN);
     assert!(refused(settings).contains("independent_beams"));
-    let settings = MclSettings { update_distance: -1.0, ..Default::default() };
+    let settings = MclSettings::default().update_distance(-1.0);
     assert!(refused(settings).contains("update_distance"));
 }
 

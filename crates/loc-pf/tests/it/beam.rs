@@ -25,7 +25,7 @@ fn model(settings: BeamModelSettings) -> BeamModel {
 }
 
 fn twelve_metres() -> BeamModelSettings {
-    BeamModelSettings { max_range: 12.0, ..Default::default() }
+    BeamModelSettings::default().max_range(12.0)
 }
 
 pub(crate) fn office() -> OccupancyGrid {
@@ -87,7 +87,7 @@ fn densities_are_those_computed_by_hand() {
 
 #[test]
 fn densities_and_the_chance_of_no_return_add_up_to_one() {
-    let model = model(BeamModelSettings { lambda_short: 0.7, z_short: 0.4, ..twelve_metres() });
+    let model = model(twelve_metres().lambda_short(0.7).z_short(0.4));
     for expected in [0.03, 0.4, 5.0, 11.9, 12.0, NOTHING] {
         let step = 1e-4;
         let at = |k: usize| model.parts(expected, (k as f64 + 0.5) * step).iter().sum::<f64>();
@@ -99,12 +99,7 @@ fn densities_and_the_chance_of_no_return_add_up_to_one() {
 
 #[test]
 fn the_plain_gaussian_is_the_product_of_the_lecture() {
-    let settings = BeamModelSettings {
-        form: BeamForm::Gaussian,
-        sigma_hit: 0.5,
-        max_range: 12.0,
-        ..Default::default()
-    };
+    let settings = BeamModelSettings::default().form(BeamForm::Gaussian).sigma_hit(0.5).max_range(12.0);
     let model = model(settings);
     // -0.5 (1 / 0.5)^2 - ln(0.5 sqrt(2 pi))
     assert_abs_diff_eq!(model.log_density(4.0, 5.0), -2.0 - 0.225791352644, epsilon = 1e-9);
@@ -131,7 +126,7 @@ fn a_scan_is_rated_as_by_brute_force() {
     for (grid, to_map) in [(grid, Pose2::IDENTITY), (turned, Pose2::new(3.0, -2.0, 0.7))] {
         let caster = RayCaster::new(&grid);
         for sigma_hit in [0.02, 0.2] {
-            let settings = BeamModelSettings { sigma_hit, max_range: 8.0, ..Default::default() };
+            let settings = BeamModelSettings::default().sigma_hit(sigma_hit).max_range(8.0);
             let truth = to_map * Pose2::new(6.0, 6.0, 0.4);
             let scan = scan_at(&grid, truth, 180, 10.0);
             let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
@@ -183,14 +178,7 @@ fn nothing_underflows_at_720_beams() {
     let scan = scan_at(&grid, truth, 720, 20.0);
     let beams = informative_beams(&scan, 720);
     for form in [BeamForm::Mixture, BeamForm::Gaussian] {
-        let settings = BeamModelSettings {
-            form,
-            sigma_hit: 0.02,
-            z_rand: 1e-6,
-            z_max: 0.0,
-            z_short: 0.0,
-            ..Default::default()
-        };
+        let settings = BeamModelSettings::default().form(form).sigma_hit(0.02).z_rand(1e-6).z_max(0.0).z_short(0.0);
         let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
         let rated = BeamLikelihood::new(&caster, &settings, &mounted, &beams, 1.0).unwrap();
         let poses = [3.0, 0.5, 0.1, 0.02].map(|off| Pose2::new(6.0 + off, 6.0, 0.4));
@@ -332,7 +320,7 @@ fn beams_below_the_least_range_of_the_settings_are_not_used() {
     };
     let estimate = |scan: &LaserScan, min_range: f64| {
         let sensor = SensorSettings::Beam(twelve_metres());
-        let settings = MclSettings { sensor, min_range, ..Default::default() };
+        let settings = MclSettings::default().robot(RobotSettings::default().laser_min_range(min_range)).sensor(sensor);
         let mut mcl = Mcl::new(&grid, settings, stream(3, "mcl")).unwrap();
         mcl.start_at(&pose_belief(pose, [0.2, 0.2, 0.1])).unwrap();
         let mounted = MountedScan { scan, mounting: Pose2::IDENTITY };

@@ -87,7 +87,7 @@ fn assert_same_as_components(mut cloud: Particles, clusterer: &mut Clusterer, he
 fn without_valleys_clusters_are_the_connected_components() {
     for (headings, cell) in [(24, 0.5), (3, 1.0), (64, 0.3), (18, 0.5)] {
         let heading_cell = TAU / headings as f64;
-        let settings = ClusterSettings { cell, heading_cell, valley: 0.0, ..Default::default() };
+        let settings = ClusterSettings::default().cell(cell).heading_cell(heading_cell).valley(0.0);
         let mut clusterer = Clusterer::new(settings).unwrap();
         let mut rng = stream(5, "weights");
         for (side, count) in [(3.0, 40), (12.0, 300), (40.0, 2000), (12.0, 2000), (5000.0, 700)] {
@@ -150,7 +150,7 @@ fn a_few_strays_between_two_modes_do_not_join_them() {
         assert!(found[0].share > 0.59 && found[0].belief.mean.x.abs() < 0.1);
         assert!(found[1].share > 0.39 && (found[1].belief.mean.x - 3.0).abs() < 0.1);
 
-        let settings = ClusterSettings { valley: 0.0, ..Default::default() };
+        let settings = ClusterSettings::default().valley(0.0);
         let joined = Clusterer::new(settings).unwrap().clusters(&Particles::from_poses(poses));
         assert_eq!(joined.len(), 1);
     }
@@ -204,7 +204,7 @@ fn the_pose_is_that_of_the_heaviest_cluster_or_of_all() {
     poses.extend(heap(Pose2::new(10.0, 0.0, 0.0), [0.1, 0.1, 0.1], 400, 2));
     let cloud = Particles::from_poses(poses);
     let estimate = |pose| {
-        let settings = ClusterSettings { pose, ..Default::default() };
+        let settings = ClusterSettings::default().pose(pose);
         Clusterer::new(settings).unwrap().estimate(&cloud)
     };
     let heaviest = estimate(PoseSource::HeaviestCluster);
@@ -241,7 +241,7 @@ fn bad_particles_give_nothing_and_never_nan() {
     let found = clusterer.clusters(&weightless);
     assert!(found.len() == 1 && found[0].particles == 2);
 
-    let fine = ClusterSettings { cell: 1e-9, heading_cell: TAU / 64.0, ..Default::default() };
+    let fine = ClusterSettings::default().cell(1e-9).heading_cell(TAU / 64.0);
     let cloud = Particles::from_poses(anywhere(1e9, 500, 1));
     assert_eq!(Clusterer::new(fine).unwrap().clusters(&cloud).len(), 500);
 }
@@ -251,11 +251,11 @@ fn settings_out_of_range_are_refused() {
     let good = ClusterSettings::default();
     assert!(good.check().is_ok());
     for bad in [
-        ClusterSettings { cell: 0.0, ..good },
-        ClusterSettings { cell: f64::NAN, ..good },
-        ClusterSettings { heading_cell: 0.01, ..good },
-        ClusterSettings { heading_cell: 3.0, ..good },
-        ClusterSettings { valley: 1.5, ..good },
+        good.cell(0.0),
+        good.cell(f64::NAN),
+        good.heading_cell(0.01),
+        good.heading_cell(3.0),
+        good.valley(1.5),
     ] {
         assert!(Clusterer::new(bad).is_err(), "{bad:?}");
     }

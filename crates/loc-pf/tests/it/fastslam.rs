@@ -22,7 +22,7 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
 fn settings(particles: usize) -> FastSlamSettings {
     let observation_noise =
         LandmarkNoise { range_sigma: 0.1, bearing_sigma: 0.05, ..Default::default() };
-    FastSlamSettings { particles, observation_noise, ..FastSlamSettings::default() }
+    FastSlamSettings::default().robot(RobotSettings::default().camera(observation_noise)).particles(particles)
 }
 
 fn slam(settings: FastSlamSettings) -> FastSlam {
@@ -112,12 +112,8 @@ fn a_landmark_is_averaged_by_hand() {
 #[test]
 fn one_particle_without_noise_is_the_kalman_filter() {
     let none = VelocityNoise::NONE;
-    let own = FastSlamSettings { motion_noise: none, ..settings(1) };
-    let theirs = SlamSettings {
-        motion_noise: none,
-        observation_noise: own.observation_noise,
-        ..SlamSettings::default()
-    };
+    let own = settings(1).robot(settings(1).robot.odometry(none));
+    let theirs = SlamSettings::default().robot(RobotSettings::default().odometry(none).camera(own.observation_noise));
     let (mut fast, mut ekf) = (slam(own), EkfSlam::new(certain(), theirs).unwrap());
     for (k, (twist, observations)) in round(4, &none, 1).moments.iter().enumerate() {
         let mut observations = observations.clone();
@@ -157,7 +153,7 @@ fn one_particle_without_noise_is_the_kalman_filter() {
 #[test]
 fn the_proposal_has_the_posterior_of_plain_sampling() {
     let noise = VelocityNoise::from_sigmas(0.1, 0.0, 0.05).unwrap();
-    let mut slam = slam(FastSlamSettings { motion_noise: noise, ..settings(20_000) });
+    let mut slam = slam(settings(20_000).robot(settings(20_000).robot.odometry(noise)));
     let places = [Point2::new(3.0, 1.0), Point2::new(2.0, -1.5)];
     let first: Vec<LandmarkObservation> =
         (0..2).map(|k| seen(ORIGIN, k as u32, places[k], [0.0; 2])).collect();
@@ -211,7 +207,7 @@ fn numbers_of_threads_change_nothing() {
     let round = round(2, &noise, 1);
     for identities in [Identities::Known, Identities::Unknown] {
         let result = |threads| {
-            let own = FastSlamSettings { identities, threads, ..settings(60) };
+            let own = settings(60).identities(identities).threads(threads);
             let mut slam = slam(own);
             follow(&mut slam, &round);
             let bits: Vec<u64> = slam.pose().unwrap().mean.iter().map(|v| v.to_bits()).collect();
@@ -227,7 +223,7 @@ fn landmarks_without_numbers_are_found_once() {
     let mut right = 0;
     for seed in 1..=5 {
         let round = round(seed, &noise, 2);
-        let own = FastSlamSettings { identities: Identities::Unknown, ..settings(100) };
+        let own = settings(100).identities(Identities::Unknown);
         let mut slam = slam(own);
         follow(&mut slam, &round);
         let found = slam.landmarks().unwrap();
@@ -243,7 +239,7 @@ fn landmarks_without_numbers_are_found_once() {
 /// What is seen once and then no more is taken from the map, though the robot looks there.
 #[test]
 fn false_landmarks_are_removed() {
-    let mut slam = slam(FastSlamSettings { identities: Identities::Unknown, ..settings(20) });
+    let mut slam = slam(settings(20).identities(Identities::Unknown));
     let [true_one, ghost, edge] =
         [observation(0, 2.0, 0.1), observation(0, 1.5, -0.3), observation(0, 3.0, 0.6)];
     slam.correct(&[true_one, ghost, edge]).unwrap();
@@ -342,17 +338,14 @@ fn bad_input_is_refused_and_changes_nothing() {
     assert!(expected(&lost), "{lost}");
     let base = settings(10);
     let wrong = [
-        FastSlamSettings { particles: 0, ..base },
-        FastSlamSettings { gate_probability: 0.0, ..base },
-        FastSlamSettings { new_share: 0.0, ..base },
-        FastSlamSettings { miss_share: 1.5, ..base },
-        FastSlamSettings { resample_below: f64::NAN, ..base },
-        FastSlamSettings { mounting: Pose2 { theta: f64::NAN, ..ORIGIN }, ..base },
-        FastSlamSettings {
-            observation_noise: LandmarkNoise { range_sigma: 0.0, ..base.observation_noise },
-            ..base
-        },
-        FastSlamSettings { map: MapSettings { miss_cost: -1.0, ..base.map }, ..base },
+        base.particles(0),
+        base.robot(base.robot.gate_probability(0.0)),
+        base.new_share(0.0),
+        base.miss_share(1.5),
+        base.resample_below(f64::NAN),
+        base.robot(base.robot.mounting(Pose2 { theta: f64::NAN, ..ORIGIN })),
+        base.robot(base.robot.camera(LandmarkNoise { range_sigma: 0.0, ..base.observation_noise })),
+        base.map(base.map.miss_cost(-1.0)),
     ];
     for settings in wrong {
         assert!(FastSlam::new(certain(), settings, stream(1, "x")).is_err(), "{settings:?}");
@@ -364,8 +357,8 @@ fn bad_input_is_refused_and_changes_nothing() {
 #[test]
 fn a_hundred_thousand_sightings_leave_a_finite_state() {
     for identities in [Identities::Known, Identities::Unknown] {
-        let map = MapSettings { max_landmarks: 40, ..MapSettings::default() };
-        let mut slam = slam(FastSlamSettings { identities, map, ..settings(2) });
+        let map = MapSettings::default().max_landmarks(40);
+        let mut slam = slam(settings(2).identities(identities).map(map));
         let many: Vec<LandmarkObservation> = (0..100_000)
             .map(|k| observation(k % 60, 1.0 + f64::from(k % 60) * 0.1, f64::from(k % 7) * 0.3))
             .collect();

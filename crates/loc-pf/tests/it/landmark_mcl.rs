@@ -41,12 +41,7 @@ fn camera() -> LandmarkCamera {
 }
 
 fn settings() -> LandmarkMclSettings {
-    LandmarkMclSettings {
-        particles: 1000,
-        motion_noise: noise(),
-        sights: ObservationModel { noise: camera().noise, ..ObservationModel::default() },
-        ..LandmarkMclSettings::default()
-    }
+    LandmarkMclSettings::default().robot(RobotSettings::default().odometry(noise())).particles(1000).sights(ObservationModel { noise: camera().noise, ..ObservationModel::default() })
 }
 
 /// A robot that drives a loop among the landmarks.
@@ -151,7 +146,7 @@ fn covariances_are_honest() {
 fn standing_still_stays_honest() {
     let mut worst = Vec::new();
     for seed in 0..20 {
-        let settings = LandmarkMclSettings { particles: 2000, ..settings() };
+        let settings = settings().particles(2000);
         let mut filter = mcl(settings, seed);
         let mut eyes = stream(seed, "eyes");
         for k in 1..=100 {
@@ -206,7 +201,7 @@ fn misread_numbers_do_not_mislead() {
             drive.camera.wrong_identity_probability = misread;
             let steps: Vec<Step> = (0..300).map(|_| drive.step()).collect();
             let sights = ObservationModel { outlier_share, ..settings().sights };
-            let mut filter = mcl(LandmarkMclSettings { sights, ..settings() }, seed);
+            let mut filter = mcl(settings().sights(sights), seed);
             mean(judged(&mut filter, &steps).iter().map(|e| e.0))
         });
         mean(errors.collect::<Vec<_>>().into_iter())
@@ -249,7 +244,7 @@ fn late_inputs_change_nothing() {
 #[test]
 fn blind_drives_follow_the_odometry() {
     let straight = Twist2::forward(0.4, 0.0);
-    let settings = LandmarkMclSettings { particles: 20000, ..settings() };
+    let settings = settings().particles(20000);
     let mut filter = LandmarkMcl::new(map(), settings, 0.0, &start(), stream(1, "mcl")).unwrap();
     for k in 0..100 {
         filter.velocity(0.1 * f64::from(k), straight).unwrap();
@@ -272,7 +267,7 @@ fn blind_drives_follow_the_odometry() {
 fn one_seed_one_result_for_any_number_of_threads() {
     let steps = Drive::steps(2, 60);
     let run = |threads, seed| {
-        let settings = LandmarkMclSettings { threads, particles: 1500, ..settings() };
+        let settings = settings().threads(threads).particles(1500);
         let mut filter = mcl(settings, seed);
         steps.iter().for_each(|step| feed(&mut filter, step));
         filter.particles().clone()
@@ -333,10 +328,10 @@ fn bad_input_is_refused_and_changes_nothing() {
         refusal(settings(), none),
         "landmarks of the map: expected at least 1, got 0 elements"
     );
-    let nobody = LandmarkMclSettings { particles: 0, ..settings() };
+    let nobody = settings().particles(0);
     assert_eq!(refusal(nobody, map()), "particles: expected at least 1, got 0 elements");
-    let recovery = RecoverySettings { factor: 0.5, ..RecoverySettings::default() };
-    let half = LandmarkMclSettings { recovery, ..settings() };
+    let recovery = RecoverySettings::default().factor(0.5);
+    let half = settings().recovery(recovery);
     assert_eq!(refusal(half, map()), "recovery factor: expected a finite number >= 1, got 0.5");
 }
 
@@ -344,7 +339,7 @@ fn bad_input_is_refused_and_changes_nothing() {
 #[test]
 #[ignore = "a few seconds"]
 fn a_million_inputs() {
-    let settings = LandmarkMclSettings { particles: 100, ..settings() };
+    let settings = settings().particles(100);
     let mut filter = mcl(settings, 1);
     let mut eyes = stream(1, "eyes");
     for k in 1..1_000_000 {

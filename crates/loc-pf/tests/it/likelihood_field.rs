@@ -60,7 +60,7 @@ fn mean(cloud: &Particles, measurement: &impl Likelihood) -> Point2<f64> {
 #[test]
 fn the_product_is_that_of_the_field_raised_to_the_exponent() {
     let grid = office();
-    let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::default()).unwrap();
+    let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::nav2()).unwrap();
     let scan = scan(&grid, truth(&grid), 0);
     let mut cloud = cloud(1300, truth(&grid), 0.1);
     cloud.log_weights_mut().fill(-2.0);
@@ -77,7 +77,7 @@ fn the_product_is_that_of_the_field_raised_to_the_exponent() {
 #[test]
 fn threads_change_nothing_and_720_beams_lose_nothing() {
     let grid = office();
-    let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::default()).unwrap();
+    let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::nav2()).unwrap();
     let once = scan(&grid, truth(&grid), 0);
     let ends = || once.xs().iter().zip(once.ys()).map(|(&x, &y)| (x, y));
     let scan: Endpoints = (0..6).flat_map(|_| ends()).collect();
@@ -103,7 +103,7 @@ fn the_sum_of_cubes_is_that_of_nav2() {
     let frame = GridFrame::new(100, 100, 0.05, Pose2::IDENTITY).unwrap();
     let mut grid = OccupancyGrid::filled(frame, 0);
     (0..100).for_each(|row| grid.set(Cell::new(80, row), 100).unwrap());
-    let settings = LikelihoodFieldSettings { max_range: 100.0, ..Default::default() };
+    let settings = LikelihoodFieldSettings::nav2().max_range(100.0);
     let field = LikelihoodField::new(&grid, &settings.unnormalised()).unwrap();
     let scan: Endpoints = [[2.0, 0.0], [0.0, 0.0]].into_iter().collect();
     let mut weights = [0.0, 0.0];
@@ -126,7 +126,7 @@ fn the_sum_of_cubes_is_that_of_nav2() {
 fn beams_on_people_are_skipped() {
     let grid = office();
     let truth = truth(&grid);
-    let settings = LikelihoodFieldSettings { sigma_hit: 0.4, ..Default::default() };
+    let settings = LikelihoodFieldSettings::nav2().sigma_hit(0.4);
     let field = LikelihoodField::new(&grid, &settings).unwrap();
     let blocked = scan(&grid, truth, 40);
     let cloud = cloud(3000, truth, 0.1);
@@ -150,7 +150,7 @@ fn beams_on_people_are_skipped() {
 fn beam_skip_costs_nothing_without_people() {
     let grid = office();
     let truth = truth(&grid);
-    let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::default()).unwrap();
+    let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::nav2()).unwrap();
     let (scan, skip) = (scan(&grid, truth, 0), BeamSkip::default());
     let kept = |cloud: &Particles, scan: &Endpoints| skip.apply(&field, cloud.poses(), scan).len();
     assert_eq!(kept(&cloud(2000, truth, 0.1), &scan), scan.len());
@@ -168,9 +168,9 @@ fn bad_beam_skips_are_refused() {
     let good = BeamSkip::default();
     assert!(good.check().is_ok());
     let bad = [
-        BeamSkip { distance: 0.0, ..good },
-        BeamSkip { threshold: 1.1, ..good },
-        BeamSkip { error_threshold: f64::NAN, ..good },
+        good.distance(0.0),
+        good.threshold(1.1),
+        good.error_threshold(f64::NAN),
     ];
     assert!(bad.iter().all(|skip| skip.check().is_err()));
 }

@@ -142,7 +142,7 @@ fn raises_entropy(cloud: &Particles, tolerance: f64, rating: impl Fn(Pose2) -> f
     let scan = scan_at(&office(), TRUTH, 1, 20.0);
     let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
     let sample = BeliefSample::of(cloud, 500);
-    let filter = EntropyFilter { tolerance, max_dropped: 1.0 };
+    let filter = EntropyFilter::default().tolerance(tolerance).max_dropped(1.0);
     let pose = |at: nalgebra::Point2<f64>| Pose2::new(at.x, at.y, 0.0);
     filter.keep(|laser, _, _| rating(pose(laser)), &sample, &mounted, &[0]).unwrap().novel == 1
 }
@@ -174,10 +174,10 @@ fn entropy_falls_with_agreement_and_rises_with_contradiction() {
 #[test]
 fn the_entropy_filter_keeps_walls_and_leaves_out_who_pulls() {
     let (grid, mut rng) = (office(), stream(7, "entropy"));
-    let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::default()).unwrap();
+    let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::nav2()).unwrap();
     let caster = RayCaster::new(&grid);
     let model =
-        BeamModel::new(&BeamModelSettings { max_range: 20.0, ..Default::default() }).unwrap();
+        BeamModel::new(&BeamModelSettings::default().max_range(20.0)).unwrap();
     let (scan, short) = scan(&grid, TRUTH, 0.4, &mut rng);
     let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
     let cloud = cloud(TRUTH, [0.1, 0.1, 0.05], &mut rng);
@@ -222,7 +222,7 @@ fn tracked(grid: &OccupancyGrid, blocked: f64, filtered: bool, seed: u64) -> f64
     let mut filter = ParticleFilter::new(start, stream(seed, "filter"));
     // No short part: the model of a robot that knows of no people.
     let settings =
-        BeamModelSettings { z_short: 0.0, z_rand: 0.05, z_hit: 0.9, ..Default::default() };
+        BeamModelSettings::default().z_short(0.0).z_rand(0.05).z_hit(0.9);
     let mut errors = 0.0;
     for _ in 0..20 {
         truth = truth * step;
@@ -270,12 +270,12 @@ fn settings_out_of_range_are_refused() {
     let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
     let (caster, sample) = (RayCaster::new(&grid), BeliefSample::default());
     for filter in [
-        DistanceFilter { threshold: 1.5, ..Default::default() },
-        DistanceFilter { sigma_hit: 0.0, ..Default::default() },
-        DistanceFilter { max_dropped: f64::NAN, ..Default::default() },
+        DistanceFilter::default().threshold(1.5),
+        DistanceFilter::default().sigma_hit(0.0),
+        DistanceFilter::default().max_dropped(f64::NAN),
     ] {
         assert!(filter.keep(&caster, &sample, &mounted, &[0]).is_err());
     }
-    let filter = EntropyFilter { tolerance: -1.0, ..Default::default() };
+    let filter = EntropyFilter::default().tolerance(-1.0);
     assert!(filter.keep(|_, _, _| 0.0, &sample, &mounted, &[0]).is_err());
 }

@@ -16,16 +16,7 @@ use rand::RngExt;
 const NOTHING: f64 = f64::INFINITY;
 
 fn truth() -> BeamModelSettings {
-    BeamModelSettings {
-        z_hit: 0.7,
-        z_short: 0.15,
-        z_max: 0.06,
-        z_rand: 0.09,
-        sigma_hit: 0.08,
-        lambda_short: 0.4,
-        max_range: 10.0,
-        ..Default::default()
-    }
+    BeamModelSettings::default().z_hit(0.7).z_short(0.15).z_max(0.06).z_rand(0.09).sigma_hit(0.08).lambda_short(0.4).max_range(10.0)
 }
 
 /// What a range finder with these parameters measures.
@@ -69,7 +60,7 @@ fn mean_log_likelihood(pairs: &[RangePair], settings: &BeamModelSettings) -> f64
 fn known_parameters_are_found_again() {
     for seed in 1..4 {
         let pairs = pairs(20_000, &truth(), seed);
-        let start = BeamModelSettings { max_range: 10.0, ..Default::default() };
+        let start = BeamModelSettings::default().max_range(10.0);
         let fit = fit_beam_model(&pairs, &start).unwrap();
         let (found, truth) = (fit.settings, truth());
         assert!(fit.converged && fit.pairs == 20_000, "{fit:?}");
@@ -90,9 +81,9 @@ fn known_parameters_are_found_again() {
 fn the_likelihood_never_falls_and_ends_at_a_maximum() {
     let pairs = pairs(5_000, &truth(), 9);
     for start in [
-        BeamModelSettings { max_range: 10.0, ..Default::default() },
-        BeamModelSettings { sigma_hit: 8.0, lambda_short: 30.0, max_range: 10.0, ..truth() },
-        BeamModelSettings { z_hit: 0.0, z_rand: 1.0, sigma_hit: 0.001, ..truth() },
+        BeamModelSettings::default().max_range(10.0),
+        truth().sigma_hit(8.0).lambda_short(30.0).max_range(10.0),
+        truth().z_hit(0.0).z_rand(1.0).sigma_hit(0.001),
     ] {
         let fit = fit_beam_model(&pairs, &start).unwrap();
         assert!(fit.log_likelihoods.is_sorted(), "{:?}", fit.log_likelihoods);
@@ -102,12 +93,12 @@ fn the_likelihood_never_falls_and_ends_at_a_maximum() {
         for factor in [0.9, 1.1] {
             let found = fit.settings;
             for other in [
-                BeamModelSettings { sigma_hit: found.sigma_hit * factor, ..found },
-                BeamModelSettings { lambda_short: found.lambda_short * factor, ..found },
-                BeamModelSettings { z_hit: found.z_hit * factor, ..found },
-                BeamModelSettings { z_short: found.z_short * factor, ..found },
-                BeamModelSettings { z_max: found.z_max * factor, ..found },
-                BeamModelSettings { z_rand: found.z_rand * factor, ..found },
+                found.sigma_hit(found.sigma_hit * factor),
+                found.lambda_short(found.lambda_short * factor),
+                found.z_hit(found.z_hit * factor),
+                found.z_short(found.z_short * factor),
+                found.z_max(found.z_max * factor),
+                found.z_rand(found.z_rand * factor),
             ] {
                 let other = mean_log_likelihood(&pairs, &other);
                 assert!(other < best, "{factor} {best} {other} {found:?}");
@@ -118,7 +109,7 @@ fn the_likelihood_never_falls_and_ends_at_a_maximum() {
 
 #[test]
 fn what_cannot_be_fitted_is_refused() {
-    let start = BeamModelSettings { max_range: 10.0, ..Default::default() };
+    let start = BeamModelSettings::default().max_range(10.0);
     let few = pairs(60, &truth(), 1);
     let error = fit_beam_model(&few, &start).unwrap_err().to_string();
     assert!(error.starts_with("pairs of an expected and a measured range within reach: "));
@@ -126,7 +117,7 @@ fn what_cannot_be_fitted_is_refused() {
     assert!(fit_beam_model(&nothing, &start).is_err());
     let failed = vec![RangePair { expected: f64::NAN, measured: 1.0 }; 5000];
     assert!(fit_beam_model(&failed, &start).is_err());
-    let bad = BeamModelSettings { sigma_hit: -1.0, ..start };
+    let bad = start.sigma_hit(-1.0);
     assert!(fit_beam_model(&pairs(500, &truth(), 1), &bad).is_err());
     // No noise at all, no outliers at all: the width stays above 0, other shares vanish.
     let exact: Vec<RangePair> = (1..500)
@@ -140,11 +131,11 @@ fn what_cannot_be_fitted_is_refused() {
 #[test]
 fn the_histogram_tells_the_density_it_was_drawn_from() {
     let mut histogram = PerceptualHistogram::new(10.0, 0.1).unwrap();
-    pairs(400_000, &BeamModelSettings { sigma_hit: 0.2, ..truth() }, 5)
+    pairs(400_000, &truth().sigma_hit(0.2), 5)
         .into_iter()
         .for_each(|pair| histogram.add(pair));
     let model = histogram.model();
-    let real = BeamModel::new(&BeamModelSettings { sigma_hit: 0.2, ..truth() }).unwrap();
+    let real = BeamModel::new(&truth().sigma_hit(0.2)).unwrap();
     for (expected, measured) in [
         (5.0, 5.0),
         (5.0, 5.2),

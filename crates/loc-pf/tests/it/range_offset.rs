@@ -12,7 +12,7 @@ use loc_pf::{Mcl, MclSettings};
 fn drive(seed: u64, short: f64, range_offset: RangeOffset) -> (Mcl, f64) {
     let map = office(seed);
     let mut robot = Robot::new(&map, Robot::laser(), seed);
-    let settings = MclSettings { range_offset, ..MclSettings::default() };
+    let settings = MclSettings::default().range_offset(range_offset);
     let mut mcl = Mcl::new(&map, settings, stream(seed, "mcl")).unwrap();
     mcl.start_at(&pose_belief(robot.truth, [0.1, 0.1, 0.05])).unwrap();
     let (mut sum, mut count) = (0.0, 0.0);
@@ -61,7 +61,7 @@ fn a_fixed_offset_is_used_as_it_is_and_checked() {
     assert_eq!((mcl.range_offset(), mcl.range_offset_estimate().scans()), (0.05, 0));
     for wrong in [f64::NAN, 0.2, f64::NEG_INFINITY] {
         let settings =
-            MclSettings { range_offset: RangeOffset::Fixed(wrong), ..MclSettings::default() };
+            MclSettings::default().range_offset(RangeOffset::Fixed(wrong));
         let error = Mcl::new(&office(1), settings, stream(1, "mcl")).unwrap_err().to_string();
         assert!(error.contains("range_offset [m]"), "{error}");
     }

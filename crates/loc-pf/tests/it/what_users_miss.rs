@@ -62,9 +62,9 @@ fn point_01_recovery_after_a_kidnapping_fires() {
 fn point_01_random_particles_are_injected_by_the_averages_too() {
     let map = office(1);
     let mut robot = Robot::new(&map, Robot::laser(), 3);
-    let augmented = AugmentedSettings { alpha_slow: 0.05, alpha_fast: 0.5 };
-    let recovery = RecoverySettings { search: false, suspicion: None, augmented: Some(augmented) };
-    let settings = MclSettings { recovery, ..MclSettings::default() };
+    let augmented = AugmentedSettings::default().alpha_slow(0.05).alpha_fast(0.5);
+    let recovery = RecoverySettings::default().search(false).suspicion(None).augmented(Some(augmented));
+    let settings = MclSettings::default().recovery(recovery);
     let mut mcl = tracking(&map, &robot, settings, 3);
     drive(&mut mcl, &mut robot, 10);
     let spread = |mcl: &Mcl| {
@@ -82,8 +82,8 @@ fn point_01_random_particles_are_injected_by_the_averages_too() {
 fn point_02_it_says_when_it_is_lost() {
     let map = office(1);
     let mut robot = Robot::new(&map, Robot::laser(), 5);
-    let recovery = RecoverySettings { search: false, ..RecoverySettings::default() };
-    let settings = MclSettings { recovery, ..MclSettings::default() };
+    let recovery = RecoverySettings::default().search(false);
+    let settings = MclSettings::default().recovery(recovery);
     let mut mcl = tracking(&map, &robot, settings, 5);
     drive(&mut mcl, &mut robot, 20);
     assert!(mcl.lost() < 0.05, "{}", mcl.lost());
@@ -181,7 +181,7 @@ fn point_06_no_underflow_with_720_beams() {
     ] {
         let mut robot = Robot::new(&map, laser, 2);
         let settings =
-            MclSettings { beams: 720, independent_beams: 720.0, sensor, ..Default::default() };
+            MclSettings::default().beams(720).independent_beams(720.0).sensor(sensor);
         let mut mcl = tracking(&map, &robot, settings, 2);
         drive(&mut mcl, &mut robot, 6);
         assert!(mcl.particles().log_weights().iter().all(|weight| !weight.is_nan()));
@@ -195,7 +195,7 @@ fn point_07_people_are_filtered_at_no_cost_in_an_empty_building() {
     let with_people = |blocked: bool, novelty: Option<NoveltyFilter>| {
         let map = office(1);
         let mut robot = Robot::new(&map, Robot::laser(), 4);
-        let mut mcl = tracking(&map, &robot, MclSettings { novelty, ..Default::default() }, 4);
+        let mut mcl = tracking(&map, &robot, MclSettings::default().novelty(novelty), 4);
         let mut sum = 0.0;
         for k in 0..40 {
             robot.drive();
@@ -224,10 +224,10 @@ fn point_08_walls_unknown_space_and_the_edge_of_the_map_are_settings() {
         let field = LikelihoodField::new(&map, &settings).unwrap();
         field.log_likelihood_at(&nalgebra::Point2::new(x, y)).exp()
     };
-    let plain = LikelihoodFieldSettings::default();
-    let unknown = LikelihoodFieldSettings { unknown_space: UnknownSpace::Likelihood(0.5), ..plain };
-    let off = LikelihoodFieldSettings { off_map: OffMap::Likelihood(0.5), ..plain };
-    let surfaces = LikelihoodFieldSettings { obstacles: Obstacles::Surfaces, ..plain };
+    let plain = LikelihoodFieldSettings::nav2();
+    let unknown = plain.unknown_space(UnknownSpace::Likelihood(0.5));
+    let off = plain.off_map(OffMap::Likelihood(0.5));
+    let surfaces = plain.obstacles(Obstacles::Surfaces);
     assert!((at(unknown, 3.02, 2.02) - 0.5).abs() < 0.01 && at(plain, 3.02, 2.02) < 0.1);
     assert!((at(off, -1.0, 2.0) - 0.5).abs() < 0.01 && at(plain, -3.0, 2.0) < 0.1);
     // The middle of the pillar is no surface.
@@ -238,7 +238,7 @@ fn point_08_walls_unknown_space_and_the_edge_of_the_map_are_settings() {
 fn point_09_beams_are_thinned_after_the_invalid_ones_are_dropped() {
     let map = office(1);
     let mut robot = Robot::new(&map, Robot::laser(), 6);
-    let settings = MclSettings { beams: 60, ..MclSettings::default() };
+    let settings = MclSettings::default().beams(60);
     let mut mcl = tracking(&map, &robot, settings, 6);
     let mut scan = robot.scan();
     // Two of three beams failed; the 90 others are enough for 60.
@@ -257,9 +257,9 @@ fn point_10_several_lasers_anywhere_on_the_robot_in_every_model() {
     let behind = Pose2::new(-0.3, 0.1, PI);
     for sensor in [
         SensorSettings::LikelihoodField(FieldSettings::default()),
-        SensorSettings::Beam(BeamModelSettings { sigma_hit: 0.1, ..Default::default() }),
+        SensorSettings::Beam(BeamModelSettings::default().sigma_hit(0.1)),
     ] {
-        let settings = MclSettings { sensor, ..MclSettings::default() };
+        let settings = MclSettings::default().sensor(sensor);
         let off = bias(&map, truth, behind, &settings);
         assert!(off.iter().all(|off| off.abs() < 0.04), "{sensor:?}: {off:?}");
         // Both lasers at once.
@@ -284,8 +284,8 @@ fn point_11_a_compact_particle_set_needs_the_minimum_number() {
     let map = office(1);
     let mut robot = Robot::new(&map, Robot::laser(), 7);
     let particles =
-        KldSettings { min_particles: 120, max_particles: 20_000, ..KldSettings::default() };
-    let mut mcl = tracking(&map, &robot, MclSettings { particles, ..Default::default() }, 7);
+        KldSettings::default().min_particles(120).max_particles(20_000);
+    let mut mcl = tracking(&map, &robot, MclSettings::default().particles(particles), 7);
     assert_eq!(mcl.particles().len(), 20_000);
     drive(&mut mcl, &mut robot, 5);
     assert!(mcl.particles().len() < 400, "{}", mcl.particles().len());
@@ -296,7 +296,7 @@ fn point_12_low_variance_and_selective_resampling_with_an_adaptive_size() {
     let map = office(1);
     for resampling in Resampling::ALL {
         let mut robot = Robot::new(&map, Robot::laser(), 8);
-        let settings = MclSettings { tempering: None, resampling, ..MclSettings::default() };
+        let settings = MclSettings::default().tempering(None).resampling(resampling);
         let mut mcl = tracking(&map, &robot, settings, 8);
         drive(&mut mcl, &mut robot, 8);
         assert!(robot.error(mcl.pose()).0 < 0.3, "{resampling:?}");
@@ -329,8 +329,8 @@ fn point_14_the_same_seed_gives_the_same_result_for_any_number_of_threads() {
         let map = office(1);
         let mut robot = Robot::new(&map, Robot::laser(), 10);
         let particles =
-            KldSettings { min_particles: 3000, max_particles: 5000, ..KldSettings::default() };
-        let settings = MclSettings { threads, particles, ..MclSettings::default() };
+            KldSettings::default().min_particles(3000).max_particles(5000);
+        let settings = MclSettings::default().threads(threads).particles(particles);
         let mut mcl = Mcl::new(&map, settings, stream(10, "mcl")).unwrap();
         step(&mut mcl, &mut robot);
         drive(&mut mcl, &mut robot, 3);
@@ -393,7 +393,7 @@ fn point_17_distances_are_exact() {
 fn point_15_fewer_beams_than_asked_for_another_map_and_starts_outside_are_no_crash() {
     let map = office(1);
     let mut robot = Robot::new(&map, Robot::laser(), 13);
-    let settings = MclSettings { beams: 200, ..MclSettings::default() };
+    let settings = MclSettings::default().beams(200);
     let mut mcl = tracking(&map, &robot, settings.clone(), 13);
     let mut scan = robot.scan();
     scan.ranges.truncate(3);

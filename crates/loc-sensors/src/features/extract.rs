@@ -3,10 +3,8 @@
 use super::Line;
 use super::line::{Hit, fit, refined};
 use crate::Result;
-use crate::check::in_range;
 use crate::laser::{LaserNoise, LaserScan};
 use loc_core::angle;
-use loc_core::error::{non_negative, positive};
 use nalgebra::Point2;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;

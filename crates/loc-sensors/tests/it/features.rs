@@ -34,7 +34,7 @@ fn noisy(sigma: f64) -> LaserScanner {
 
 fn extractor(sigma: f64) -> LineExtractor {
     let noise = LaserNoise { sigma, sigma_per_m: 0.0 };
-    LineExtractor { angle_sigma: 0.0, roughness: 0.0, ..LineExtractor::new(noise) }
+    LineExtractor::new(noise).angle_sigma(0.0).roughness(0.0)
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn covariance_by_hand() {
         intensities: Vec::new(),
     };
     let settings =
-        LineExtractor { min_points: 3, min_length: 0.0, max_alpha_sigma: 9.0, ..extractor(0.1) };
+        extractor(0.1).min_points(3).min_length(0.0).max_alpha_sigma(9.0);
     let lines = settings.extract(&scan).unwrap();
     assert_eq!((lines.len(), lines[0].points), (1, 3));
     assert_relative_eq!(lines[0].r, 2.0, epsilon = 1e-9);
@@ -238,10 +238,10 @@ fn bad_input_is_refused() {
         assert!(extractor(0.01).extract(&bad).is_err());
     }
     for bad in [
-        LineExtractor { min_points: 2, ..extractor(0.01) },
-        LineExtractor { gate_sigmas: 0.0, ..extractor(0.01) },
-        LineExtractor { grazing_angle: 2.0, ..extractor(0.01) },
-        LineExtractor { roughness: f64::NAN, ..extractor(0.01) },
+        extractor(0.01).min_points(2),
+        extractor(0.01).gate_sigmas(0.0),
+        extractor(0.01).grazing_angle(2.0),
+        extractor(0.01).roughness(f64::NAN),
     ] {
         assert!(bad.extract(&good).is_err(), "{bad:?}");
     }

@@ -40,5 +40,5 @@ fn a_few_lines_are_enough() {
     assert_eq!(scanner.spec, LaserSpec::hokuyo_ust_10lx());
     assert_eq!(scanner.faults.dropout, 0.1);
     let extractor: LineExtractor = toml::from_str("min_points = 20").unwrap();
-    assert_eq!(extractor, LineExtractor { min_points: 20, ..LineExtractor::default() });
+    assert_eq!(extractor, LineExtractor::default().min_points(20));
 }

@@ -58,7 +58,7 @@ pub fn fit_beam(args: &FitBeamArgs, global: &Global) -> anyhow::Result<()> {
     let scans: Vec<(Pose2, LaserScan)> =
         taken.map(|(_, laser)| (laser.laser, laser.scan)).collect();
     check_poses(args, &grid, &scans)?;
-    let start = BeamModelSettings { max_range: args.max_range, ..Default::default() };
+    let start = BeamModelSettings::default().max_range(args.max_range);
     let settings = LearnSettings { start, bin: args.bin, ..Default::default() };
     let learned = learn(&scans, &grid, &settings)?;
     check_ranges(args, &learned)?;

@@ -276,7 +276,7 @@ impl Make<'_> {
                 let lines = LineMap::from_grid(grid, &Default::default())?;
                 // Walls that were mapped are not quite straight, and not quite in their place.
                 let map_sigma = own.map_sigma.max(grid.resolution());
-                (Arc::new(lines), LineMatchingSettings { map_sigma, ..own })
+                (Arc::new(lines), own.map_sigma(map_sigma))
             }
             (None, None) => return Err(self.unsuitable("a map")),
         };

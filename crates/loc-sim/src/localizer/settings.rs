@@ -79,20 +79,14 @@ impl MethodSettings {
             self.landmark;
         let own = self.landmark_mcl;
         let sights = ObservationModel { noise: observation_noise, mounting, ..own.sights };
-        LandmarkMclSettings { integration, motion_noise, sights, ..own }
+        own.robot(own.robot.integration(integration).odometry(motion_noise)).sights(sights)
     }
 
     /// Settings of lateration, with what all methods among landmarks are told.
     pub fn lateration(&self) -> SlidingSettings {
         let RobotSettings { integration, motion_noise, observation_noise, mounting, .. } =
             self.landmark;
-        SlidingSettings {
-            integration,
-            motion_noise,
-            range_noise: observation_noise,
-            antenna: mounting.position(),
-            ..self.lateration
-        }
+        self.lateration.robot(self.lateration.robot.integration(integration).odometry(motion_noise).camera(observation_noise)).antenna(mounting.position())
     }
 
     /// Settings of `fusion`, with what all methods among landmarks are told.
@@ -104,14 +98,7 @@ impl MethodSettings {
             mounting,
             gate_probability,
         } = self.landmark;
-        FusionSettings {
-            integration,
-            motion_noise,
-            observation_noise,
-            mounting,
-            gate_probability,
-            ..self.fusion
-        }
+        self.fusion.robot(self.fusion.robot.integration(integration).odometry(motion_noise).camera(observation_noise).mounting(mounting).gate_probability(gate_probability))
     }
 
     /// Settings of `ekf-slam`, with what all methods among landmarks are told.
@@ -126,14 +113,7 @@ impl MethodSettings {
         } = self.landmark;
         let observation_noise =
             if self.slam_own_noise { self.slam.observation_noise } else { observation_noise };
-        SlamSettings {
-            integration,
-            motion_noise,
-            observation_noise,
-            mounting,
-            gate_probability,
-            ..self.slam
-        }
+        self.slam.robot(self.slam.robot.integration(integration).odometry(motion_noise).camera(observation_noise).mounting(mounting).gate_probability(gate_probability))
     }
 
     /// Settings of `fastslam`, with what all methods among landmarks are told.
@@ -148,15 +128,6 @@ impl MethodSettings {
             map,
             ..
         } = self.slam();
-        FastSlamSettings {
-            integration,
-            motion_noise,
-            observation_noise,
-            mounting,
-            gate_probability,
-            identities,
-            map,
-            ..self.fastslam
-        }
+        self.fastslam.robot(self.fastslam.robot.integration(integration).odometry(motion_noise).camera(observation_noise).mounting(mounting).gate_probability(gate_probability)).identities(identities).map(map)
     }
 }

@@ -295,7 +295,7 @@ fn parts_of_the_filter_are_switched_off_and_on_by_name() {
     assert!(own.tempering.is_some() && own.recovery.suspicion.is_some());
     for off in ["false", "off", "\"off\""] {
         let set = |key: &str| settings(&[&format!("filter.mcl.{key}={off}")]).unwrap();
-        assert_eq!(set("tempering"), MclSettings { tempering: None, ..own.clone() });
+        assert_eq!(set("tempering"), own.clone().tempering(None));
         assert_eq!(set("recovery.suspicion").recovery.suspicion, None);
         assert_eq!(set("recovery.augmented"), own);
         assert_eq!(set("novelty"), own);
@@ -304,7 +304,7 @@ fn parts_of_the_filter_are_switched_off_and_on_by_name() {
     let crowd = settings(&["filter.mcl.novelty=on"]).unwrap();
     assert_eq!(crowd.novelty, Some(NoveltyFilter::Distance(DistanceFilter::default())));
     let entropy = settings(&["filter.mcl.novelty.entropy.tolerance=0.02"]).unwrap();
-    let filter = EntropyFilter { tolerance: 0.02, ..EntropyFilter::default() };
+    let filter = EntropyFilter::default().tolerance(0.02);
     assert_eq!(entropy.novelty, Some(NoveltyFilter::Entropy(filter)));
     assert!(settings(&["filter.mcl.recovery.search=false"]).is_ok_and(|mcl| !mcl.recovery.search));
 }
@@ -326,13 +326,13 @@ fn what_is_neither_settings_nor_a_switch_is_refused() {
 /// Settings that are written and read again are the same, whatever is switched off.
 #[test]
 fn written_settings_are_read_as_they_were() {
-    let mut all_off = MclSettings { tempering: None, novelty: None, ..Default::default() };
+    let mut all_off = MclSettings::default().tempering(None).novelty(None);
     (all_off.recovery.suspicion, all_off.recovery.augmented) = (None, None);
-    let mut all_on = MclSettings { novelty: Some(NoveltyFilter::default()), ..Default::default() };
+    let mut all_on = MclSettings::default().novelty(Some(NoveltyFilter::default()));
     all_on.recovery.augmented = Some(Default::default());
     let skip = Some(Default::default());
     all_on.sensor =
-        SensorSettings::LikelihoodField(FieldSettings { beam_skip: skip, ..Default::default() });
+        SensorSettings::LikelihoodField(FieldSettings::default().beam_skip(skip));
     for settings in [MclSettings::default(), all_off, all_on] {
         let text = toml::to_string(&settings).unwrap();
         assert_eq!(toml::from_str::<MclSettings>(&text).unwrap(), settings, "{text}");

@@ -11,7 +11,7 @@ use super::stack::Stack;
 use super::window::{Place, Window};
 use crate::Result;
 use loc_core::Pose2;
-use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
+use loc_maps::likelihood_field::Endpoints;
 use loc_maps::{LikelihoodField, OccupancyGrid};
 use loc_sensors::laser::LaserScan;
 
@@ -296,7 +296,7 @@ impl Sensor {
     ) -> Result<Self> {
         // A field cannot be sharper than the map.
         let sigma_hit = settings.field.sigma_hit.max(map.resolution());
-        let field = LikelihoodFieldSettings { sigma_hit, ..settings.field };
+        let field = settings.field.sigma_hit(sigma_hit);
         let field = LikelihoodField::new(map, &field)?;
         let codes = PaddedCodes::new(&field, space.side());
         let bounds = BoundMaps::new(&field, space.side());

@@ -1,9 +1,7 @@
 //! All settings of grid localization, with defaults that serve most robots.
 
 use crate::RobotSettings;
-use loc_core::error::{in_range, non_negative, positive, probability};
-use loc_core::motion::PathNoise;
-use loc_maps::likelihood_field::{LikelihoodFieldSettings, Obstacles};
+use loc_maps::likelihood_field::LikelihoodFieldSettings;
 use std::f64::consts::PI;
 
 loc_core::settings! {
@@ -21,7 +19,7 @@ loc_core::settings! {
         pub fine: FineSettings = FineSettings::default() => check;
         /// How likely a beam's end is, by its distance from the nearest obstacle. `sigma_hit` is at
         /// least the side of a map cell.
-        pub field: LikelihoodFieldSettings = LikelihoodFieldSettings { sigma_hit: 0.05, z_hit: 0.8, z_rand: 0.2, obstacles: Obstacles::Surfaces, ..LikelihoodFieldSettings::default() } => check;
+        pub field: LikelihoodFieldSettings = LikelihoodFieldSettings::default() => check;
         /// Maximum number of beams of a scan that are used.
         pub beams: usize = 60 => within(1, 10_000);
         /// As how many independent beams a scan counts, if it has more: its beams see the same walls,

@@ -145,7 +145,7 @@ impl EkfSlam {
     pub fn predict(&mut self, twist: Twist2, dt: f64) -> Result<()> {
         crate::innovation::finite("velocity", &twist.to_vector())?;
         loc_core::error::non_negative("time step [s]", dt)?;
-        let SlamSettings { integration, motion_noise, .. } = self.settings;
+        let crate::RobotSettings { integration, odometry, .. } = self.settings.robot;
         let pose = self.robot_pose();
         let (moved, jacobians) = integration.step_with_jacobians(pose, twist, dt);
         let (mut f, by_twist) = (jacobians.by_pose, jacobians.by_twist);
@@ -154,7 +154,7 @@ impl EkfSlam {
             f[(0, 2)] = -(moved.y - self.first_pose.y);
             f[(1, 2)] = moved.x - self.first_pose.x;
         }
-        let noise = by_twist * motion_noise.covariance(twist, dt) * by_twist.transpose();
+        let noise = by_twist * odometry.covariance(twist, dt) * by_twist.transpose();
         let (moved_state, f, noise) = self.with_common_errors(moved, &f, &noise, dt);
         self.state.propagate(moved_state, &f, &noise)?;
         self.first_pose = moved;

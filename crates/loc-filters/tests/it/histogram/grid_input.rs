@@ -42,7 +42,7 @@ fn one_free_cell_is_enough() {
 fn absurd_resolutions_are_refused_before_memory_runs_out() {
     let frame = GridFrame::new(4000, 4000, 0.05, Pose2::IDENTITY).unwrap();
     let map = OccupancyGrid::filled(frame, 0);
-    let settings = GridSettings { cell: 0.05, heading: 0.01, ..GridSettings::default() };
+    let settings = GridSettings::default().cell(0.05).heading(0.01);
     let error = GridLocalizer::new(&map, settings).unwrap_err();
     assert!(matches!(error, Error::Core(CoreError::Length { .. })));
     assert_eq!(
@@ -51,8 +51,8 @@ fn absurd_resolutions_are_refused_before_memory_runs_out() {
          headings, got 10064000000 elements"
     );
     // The fine grid has the same limit.
-    let fine = FineSettings { cell: 1e-4, ..FineSettings::default() };
-    let error = GridLocalizer::new(&office(), GridSettings { fine, ..GridSettings::default() });
+    let fine = FineSettings::default().cell(1e-4);
+    let error = GridLocalizer::new(&office(), GridSettings::default().fine(fine));
     assert!(matches!(error, Err(Error::Core(CoreError::Length { .. }))));
 }
 
@@ -61,17 +61,17 @@ fn settings_are_checked_one_by_one() {
     let map = office();
     let good = GridSettings::default();
     let bad = [
-        (GridSettings { cell: 0.0, ..good }, "cell [m]"),
-        (GridSettings { heading: f64::NAN, ..good }, "heading [rad]"),
-        (GridSettings { heading: 1e-9, ..good }, "heading [rad]"),
-        (GridSettings { beams: 0, ..good }, "beams"),
-        (GridSettings { independent_beams: 0.0, ..good }, "independent_beams"),
-        (GridSettings { kidnap_rate: 1.5, ..good }, "kidnap_rate"),
-        (GridSettings { negligible: 0.5, ..good }, "negligible"),
-        (GridSettings { update_turn: -1.0, ..good }, "update_turn [rad]"),
-        (GridSettings { min_range: -1.0, ..good }, "min_range [m]"),
-        (GridSettings { fine: FineSettings { reach: 0.0, ..good.fine }, ..good }, "fine.reach [m]"),
-        (GridSettings { fine: FineSettings { turn: 9.0, ..good.fine }, ..good }, "fine.turn [rad]"),
+        (good.cell(0.0), "cell [m]"),
+        (good.heading(f64::NAN), "heading [rad]"),
+        (good.heading(1e-9), "heading [rad]"),
+        (good.beams(0), "beams"),
+        (good.independent_beams(0.0), "independent_beams"),
+        (good.kidnap_rate(1.5), "kidnap_rate"),
+        (good.negligible(0.5), "negligible"),
+        (good.update_turn(-1.0), "update_turn [rad]"),
+        (good.robot(good.robot.laser_min_range(-1.0)), "min_range [m]"),
+        (good.fine(good.fine.reach(0.0)), "fine.reach [m]"),
+        (good.fine(good.fine.turn(9.0)), "fine.turn [rad]"),
     ];
     for (settings, name) in bad {
         let error = GridLocalizer::new(&map, settings).unwrap_err().to_string();

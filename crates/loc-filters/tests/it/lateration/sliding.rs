@@ -98,7 +98,7 @@ fn run(seed: u64, settings: SlidingSettings) -> (f64, f64, Option<RangeBias>) {
 #[test]
 fn a_biased_sensor_and_odometry_find_the_robot() {
     let antenna = Point2::new(0.3, 0.1);
-    let settings = SlidingSettings { antenna, ..SlidingSettings::default() };
+    let settings = SlidingSettings::default().antenna(antenna);
     let (mut total, mut worst) = (0.0, 0.0);
     for seed in 0..6 {
         let (rms, nees, bias) = run(seed, settings);
@@ -110,7 +110,7 @@ fn a_biased_sensor_and_odometry_find_the_robot() {
     }
     println!("worst RMS {worst:.3} m, mean NEES {total:.2}");
     assert!(worst < 0.12 && (1.0..3.0).contains(&total), "{worst} {total}");
-    let blind = SlidingSettings { odometry: false, window: 10, ..settings };
+    let blind = settings.odometry(false).window(10);
     assert!(run(0, blind).0 > 1.5 * run(0, settings).0);
 }
 
@@ -205,9 +205,9 @@ fn what_cannot_be_used_is_told() {
 fn settings_that_make_no_sense_are_refused() {
     let usual = SlidingSettings::default();
     for settings in [
-        SlidingSettings { window: 0, ..usual },
-        SlidingSettings { walk: 0.0, ..usual },
-        SlidingSettings { antenna: Point2::new(f64::NAN, 0.0), ..usual },
+        usual.window(0),
+        usual.walk(0.0),
+        usual.antenna(Point2::new(f64::NAN, 0.0)),
     ] {
         assert!(SlidingLateration::new(map(), settings, 0.0).is_err());
     }

@@ -47,9 +47,9 @@ fn maps_beliefs_and_settings_are_checked() {
         (change(|s| s.slack = f64::NAN), "slack of the ends of walls [m]"),
         (change(|s| s.motion.along = f64::INFINITY), "noise along the path [m]"),
         (change(|s| s.extractor.min_points = 2), "fewest points of a wall"),
-        (change(|s| s.lost = LostSettings { min_share: 2.0, ..s.lost }), "least share of matched"),
+        (change(|s| s.lost = s.lost.min_share(2.0)), "least share of matched"),
         (
-            change(|s| s.systematic = SystematicErrors { drift: -1.0, ..s.systematic }),
+            change(|s| s.systematic = s.systematic.drift(-1.0)),
             "systematic drift of the heading [rad/m]",
         ),
     ] {

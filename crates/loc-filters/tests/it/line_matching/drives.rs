@@ -78,8 +78,8 @@ fn systematic_errors_of_the_odometry_are_found() {
     assert!((found.mean.x - 3_f64.to_radians()).abs() < 3.0 * sigma(0), "{found:?}");
     assert!((found.mean.y + 0.04).abs() < 3.0 * sigma(1), "{found:?}");
     // One that is told that there are none stays with that.
-    let none = SystematicErrors { drift: 0.0, scale: 0.0, wander: 0.0 };
-    let told = LineMatchingSettings { systematic: none, ..settings() };
+    let none = SystematicErrors::default().drift(0.0).scale(0.0).wander(0.0);
+    let told = settings().systematic(none);
     let mut ekf = LineEkf::new(map, told, pose_belief(truth, [0.02; 3])).unwrap();
     ekf.odometry(Pose2::IDENTITY).unwrap();
     ekf.odometry(Pose2::new(0.3, 0.0, 0.2)).unwrap();

@@ -34,8 +34,8 @@ fn scanner() -> LaserScanner {
 fn settings() -> LineMatchingSettings {
     let defaults = LineMatchingSettings::default();
     let noise = scanner().spec.noise;
-    let extractor = LineExtractor { noise, roughness: 0.0, angle_sigma: 0.0, ..defaults.extractor };
-    LineMatchingSettings { extractor, ..defaults }
+    let extractor = defaults.extractor.noise(noise).roughness(0.0).angle_sigma(0.0);
+    defaults.extractor(extractor)
 }
 
 fn all_around() -> FieldOfView {

@@ -89,7 +89,7 @@ fn one_line_against_plain_matrices() {
 fn ends_of_map_lines_that_are_off_move_r_and_alpha() {
     let (sigma, pose) = (0.03, Pose2::new(-1.0, 0.5, 0.4));
     let wall = LineSegment::new([1.0, 3.0], [4.0, 2.0]);
-    let with_map = LineMatchingSettings { map_sigma: sigma, ..settings() };
+    let with_map = settings().map_sigma(sigma);
     let ekf = LineEkf::new(LineMap::new([wall]).unwrap(), with_map, pose_belief(pose, [0.01; 3]));
     let predicted = ekf.unwrap().predicted(all_around(), Pose2::IDENTITY).unwrap();
     let across = Vector2::new(1.0, 3.0).normalize();

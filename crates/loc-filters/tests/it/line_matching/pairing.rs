@@ -36,7 +36,7 @@ fn sets_of_pairs_see_what_single_pairs_do_not() {
         .chain([seen(truth, [9.4, -5.0], [9.4, 5.0], [0.02, 0.005])])
         .collect();
     for pairing in PAIRINGS {
-        let with = LineMatchingSettings { pairing, ..settings() };
+        let with = settings().pairing(pairing);
         let mut ekf =
             LineEkf::new(map.clone(), with, pose_belief(believed, [0.6, 0.1, 0.05])).unwrap();
         let update = ekf.lines(lines.clone(), all_around(), Pose2::IDENTITY).unwrap();

@@ -33,9 +33,9 @@ fn refused_input_changes_nothing() {
     assert_eq!((slam.pose().unwrap(), slam.covariance().unwrap(), slam.step()), before);
 
     let refused = |settings: SlamSettings| EkfSlam::new(certain(), settings).is_err();
-    assert!(refused(SlamSettings { observation_noise: LandmarkNoise::NONE, ..Default::default() }));
-    let map = MapSettings { new_landmark_probability: 2.0, ..Default::default() };
-    assert!(refused(SlamSettings { map, ..Default::default() }));
+    assert!(refused(SlamSettings::default().robot(RobotSettings::default().camera(LandmarkNoise::NONE))));
+    let map = MapSettings::default().new_landmark_probability(2.0);
+    assert!(refused(SlamSettings::default().map(map)));
     let negative = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 1.0));
     let start = Gaussian { mean: Vector3::zeros(), covariance: negative };
     assert!(EkfSlam::new(start, SlamSettings::default()).is_err());
@@ -43,8 +43,8 @@ fn refused_input_changes_nothing() {
 
 #[test]
 fn observations_that_cannot_be_used_have_a_reason() {
-    let map = MapSettings { max_landmarks: 2, ..Default::default() };
-    let settings = SlamSettings { map, ..Default::default() };
+    let map = MapSettings::default().max_landmarks(2);
+    let settings = SlamSettings::default().map(map);
     let mut slam = EkfSlam::new(certain(), settings).unwrap();
     let bearing = LandmarkObservation { landmark: 9, sight: Observed::Bearing { bearing: 0.3 } };
     let seen = [see(1, 4.0, 0.0), bearing, see(2, 0.0, 0.0), see(3, 2.0, 1.0), see(4, 2.0, -1.0)];
@@ -75,7 +75,7 @@ fn a_landmark_that_was_wrong_from_the_start_is_removed() {
 #[test]
 fn a_hundred_thousand_observations_in_one_step() {
     for identities in [Identities::Known, Identities::Unknown] {
-        let settings = SlamSettings { identities, ..Default::default() };
+        let settings = SlamSettings::default().identities(identities);
         let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
         let mut slam = EkfSlam::new(start, settings).unwrap();
         let seen: Vec<_> = (0..100_000).map(|k| see(k % 3, 3.0, f64::from(k % 3))).collect();
@@ -90,14 +90,11 @@ fn a_hundred_thousand_observations_in_one_step() {
 /// Numbers so far apart that rounding eats the covariance: the filter says so, and when.
 #[test]
 fn lost_positivity_is_reported_with_its_step() {
-    let settings = SlamSettings {
-        observation_noise: LandmarkNoise {
+    let settings = SlamSettings::default().robot(RobotSettings::default().camera(LandmarkNoise {
             range_sigma: 1e-9,
             range_sigma_per_m: 0.0,
             bearing_sigma: 1e-9,
-        },
-        ..Default::default()
-    };
+        }));
     let start = pose_belief(Pose2::new(0.1, 0.2, 0.7), [1e8, 3e7, 1e3]);
     let mut slam = EkfSlam::new(start, settings).unwrap();
     let error = (0..50).find_map(|_| {

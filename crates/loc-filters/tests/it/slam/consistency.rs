@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 /// odometry it cannot change, since no observation tells of it.
 fn information_of_the_whole(jacobians: Jacobians) -> (DMatrix<f64>, DMatrix<f64>) {
     let settings =
-        SlamSettings { jacobians, motion_noise: VelocityNoise::NONE, ..Default::default() };
+        SlamSettings::default().robot(RobotSettings::default().odometry(VelocityNoise::NONE)).jacobians(jacobians);
     let world = Landmarks::from([(1, [3.0, 1.0]), (2, [2.0, -2.0]), (3, [-1.0, 2.5])]);
     let start = pose_belief(Pose2::IDENTITY, [0.2, 0.2, 0.1]);
     let mut slam = EkfSlam::new(start, settings).unwrap();

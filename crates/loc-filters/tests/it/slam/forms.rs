@@ -26,7 +26,7 @@ fn the_invariant_correction_carries_that_of_the_textbook() {
     let seen = [see(1, 4.0, 0.3), see(2, 3.0, -0.8), see(3, 5.0, 1.1)];
     let [mut textbook, mut invariant] = [Jacobians::Current, Jacobians::Invariant].map(|form| {
         let settings =
-            SlamSettings { jacobians: form, gate_probability: 1.0, ..SlamSettings::default() };
+            SlamSettings::default().robot(RobotSettings::default().gate_probability(1.0)).jacobians(form);
         let start = pose_belief(Pose2::new(1.0, -2.0, 0.4), [0.1, 0.2, 0.3]);
         let mut slam = EkfSlam::new(start, settings).unwrap();
         slam.correct(&seen).unwrap();
@@ -63,7 +63,7 @@ fn the_invariant_correction_carries_that_of_the_textbook() {
 #[test]
 fn common_errors_cancel_between_landmarks() {
     for share in [0.0, 0.9] {
-        let settings = SlamSettings { common_share: share, ..SlamSettings::default() };
+        let settings = SlamSettings::default().common_share(share);
         let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
         let mut slam = EkfSlam::new(start, settings).unwrap();
         slam.correct(&[see(1, 4.0, 0.0), see(2, 5.0, 0.0)]).unwrap();
@@ -80,7 +80,7 @@ fn common_errors_cancel_between_landmarks() {
 
 #[test]
 fn what_stands_beside_a_known_landmark_is_new() {
-    let settings = SlamSettings { identities: Identities::Unknown, ..SlamSettings::default() };
+    let settings = SlamSettings::default().identities(Identities::Unknown);
     let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
     let mut slam = EkfSlam::new(start, settings).unwrap();
     for _ in 0..4 {
@@ -99,12 +99,12 @@ fn forms_that_do_not_fit_are_refused() {
     let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
     let base = SlamSettings::default();
     let refused = |settings| EkfSlam::new(start, settings).unwrap_err().to_string();
-    let message = refused(SlamSettings { submap_radius: Some(8.0), ..base });
+    let message = refused(base.submap_radius(Some(8.0)));
     assert!(message.contains("got `invariant`"), "{message}");
     for share in [1.0, -0.1, f64::NAN] {
-        let message = refused(SlamSettings { common_share: share, ..base });
+        let message = refused(base.common_share(share));
         assert!(message.contains("common share"), "{message}");
     }
-    let message = refused(SlamSettings { common_time: 0.0, ..base });
+    let message = refused(base.common_time(0.0));
     assert!(message.contains("common error"), "{message}");
 }

@@ -132,7 +132,7 @@ fn see(pose: Pose2, id: u32, off: f64) -> LandmarkObservation {
 #[test]
 fn equals_the_textbook_on_full_matrices() {
     let settings =
-        SlamSettings { gate_probability: 1.0, jacobians: Jacobians::Current, ..Default::default() };
+        SlamSettings::default().robot(RobotSettings::default().gate_probability(1.0)).jacobians(Jacobians::Current);
     let start = loc_core::gaussian::pose_belief(Pose2::new(0.3, -0.2, 0.4), [0.2, 0.1, 0.05]);
     let mut slam = EkfSlam::new(start, settings).unwrap();
     let mut book = Textbook::new(&start, settings);

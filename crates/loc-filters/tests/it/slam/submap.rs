@@ -20,7 +20,7 @@ fn drive(settings: SlamSettings, mut look: impl FnMut(usize, &EkfSlam, &EkfSlam)
     let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
     let mut whole = EkfSlam::new(start, settings).unwrap();
     let submap_radius = Some(4.0);
-    let mut parts = EkfSlam::new(start, SlamSettings { submap_radius, ..settings }).unwrap();
+    let mut parts = EkfSlam::new(start, settings.submap_radius(submap_radius)).unwrap();
     let mut truth = Pose2::IDENTITY;
     let mut rng = stream(6, "camera");
     for step in 0..276 {
@@ -59,7 +59,7 @@ fn equals_the_whole_filter_to_rounding() {
         (Identities::Known, Jacobians::First),
         (Identities::Unknown, Jacobians::Current),
     ] {
-        let settings = SlamSettings { identities, jacobians, ..SlamSettings::default() };
+        let settings = SlamSettings::default().identities(identities).jacobians(jacobians);
         drive(settings, |step, whole, parts| {
             // Also in the middle of a submap, while the rest of the map is owed its corrections.
             if step % 23 == 0 || step == 275 {

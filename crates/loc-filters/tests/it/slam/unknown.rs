@@ -22,9 +22,9 @@ const PLACES: [[f64; 2]; 9] = [
 ];
 
 fn unknown(rule: Rule) -> EkfSlam {
-    let association = AssociationSettings { rule, ..Default::default() };
+    let association = AssociationSettings::default().rule(rule);
     let settings =
-        SlamSettings { identities: Identities::Unknown, association, ..Default::default() };
+        SlamSettings::default().identities(Identities::Unknown).association(association);
     EkfSlam::new(Gaussian::certain(Pose2::IDENTITY.to_vector()), settings).unwrap()
 }
 

@@ -81,7 +81,7 @@ impl ObservationModel {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] for sigmas of 0, a share outside \[0, 1), a range that is
     /// not positive, and for what is not finite.
-    pub fn check(&self) -> Result<()> {
+    pub fn check(&self) -> loc_core::Result<()> {
         positive("sigma of the range [m]", self.noise.range_sigma)?;
         non_negative("growth of the range's sigma [m/m]", self.noise.range_sigma_per_m)?;
         positive("sigma of the bearing [rad]", self.noise.bearing_sigma)?;

@@ -21,7 +21,7 @@
 //!     let measured = if rng.random_bool(0.05) { f64::INFINITY } else { expected + off };
 //!     RangePair { expected, measured }
 //! }).collect();
-//! let start = BeamModelSettings { max_range: 10.0, ..Default::default() };
+//! let start = BeamModelSettings::default().max_range(10.0);
 //! let fit = fit_beam_model(&pairs, &start)?;
 //! assert!(fit.converged && (fit.settings.z_max - 0.05).abs() < 0.02);
 //! assert!((fit.settings.sigma_hit - 0.05 / 3_f64.sqrt()).abs() < 0.002);

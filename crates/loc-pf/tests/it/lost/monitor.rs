@@ -12,15 +12,7 @@ use loc_sensors::laser::LaserScan;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn settings() -> LostSettings {
-    LostSettings {
-        memory: 0.5,
-        bias: 1.0,
-        margin_weight: 2.0,
-        blocked_weight: 3.0,
-        near_weight: 0.5,
-        support_exponent: 2.0,
-        ..LostSettings::default()
-    }
+    LostSettings::default().memory(0.5).bias(1.0).margin_weight(2.0).blocked_weight(3.0).near_weight(0.5).support_exponent(2.0)
 }
 
 fn logistic(odds: f64) -> f64 {
@@ -78,16 +70,16 @@ fn what_is_no_number_says_nothing() {
 fn settings_out_of_range_are_refused() {
     let good = LostSettings::default();
     assert!(good.check().is_ok());
-    let tolerance = |distance, turn| Tolerance { distance, turn };
+    let tolerance = |distance, turn| Tolerance::default().distance(distance).turn(turn);
     for bad in [
-        LostSettings { memory: 1.0, ..good },
-        LostSettings { memory: -0.1, ..good },
-        LostSettings { bias: f64::NAN, ..good },
-        LostSettings { margin_weight: -1.0, ..good },
-        LostSettings { near_weight: f64::NAN, ..good },
-        LostSettings { support_exponent: f64::INFINITY, ..good },
-        LostSettings { tolerance: tolerance(0.0, 0.1), ..good },
-        LostSettings { tolerance: tolerance(0.5, -1.0), ..good },
+        good.memory(1.0),
+        good.memory(-0.1),
+        good.bias(f64::NAN),
+        good.margin_weight(-1.0),
+        good.near_weight(f64::NAN),
+        good.support_exponent(f64::INFINITY),
+        good.tolerance(tolerance(0.0, 0.1)),
+        good.tolerance(tolerance(0.5, -1.0)),
     ] {
         assert!(LostMonitor::new(bad).is_err(), "{bad:?}");
     }

@@ -68,7 +68,7 @@ impl Sample {
 
 /// Drives of every kind, `each` of them.
 pub(crate) fn drives(conditions: &Conditions, each: usize, seed: u64) -> Vec<Vec<Sample>> {
-    let field = LikelihoodField::new(&conditions.map, &LikelihoodFieldSettings::default()).unwrap();
+    let field = LikelihoodField::new(&conditions.map, &LikelihoodFieldSettings::nav2()).unwrap();
     let free_space = FreeSpace::new(&conditions.map).unwrap();
     let mut robot = Robot::new(&conditions.building, conditions.laser, seed);
     let kinds = DRIVES.into_iter().flat_map(|kind| (0..each).map(move |k| (kind, k)));

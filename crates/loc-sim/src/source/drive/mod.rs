@@ -379,10 +379,10 @@ impl DriveConfig {
     /// [`loc_core::Error::OutOfRange`].
     pub(crate) fn settings(&self) -> Result<RobotSettings> {
         let mut settings =
-            RobotSettings { motion_noise: self.body()?.noise()?, ..Default::default() };
+            RobotSettings::default().odometry(self.body()?.noise()?);
         if let Some(camera) = &self.camera {
             let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
-            settings = RobotSettings { mounting, observation_noise: noise, ..settings };
+            settings = settings.mounting(mounting).camera(noise);
         }
         Ok(settings)
     }

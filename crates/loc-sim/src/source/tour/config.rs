@@ -195,7 +195,7 @@ impl TourConfig {
     /// # Errors
     /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
     pub(crate) fn sights(&self) -> Result<RobotSettings> {
-        let settings = RobotSettings { motion_noise: self.wheel_noise()?, ..Default::default() };
+        let settings = RobotSettings::default().odometry(self.wheel_noise()?);
         let Some(camera) = &self.camera else { return Ok(settings) };
         self.steps("tour.camera.every_s", camera.every_s)?;
         if camera.latency_s > 0.0 {
@@ -207,7 +207,7 @@ impl TourConfig {
             ));
         }
         let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
-        Ok(RobotSettings { mounting, observation_noise: noise, ..settings })
+        Ok(settings.mounting(mounting).camera(noise))
     }
 
     /// Random errors of the wheels.

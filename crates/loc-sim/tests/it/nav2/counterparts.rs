@@ -117,7 +117,7 @@ fn resampling_is_set_though_tempering_stays_on() {
 fn recovery_takes_both_averages() {
     let both = ["recovery_alpha_slow: 0.002", "recovery_alpha_fast: 0.2"];
     let (mcl, warnings) = settings(&both);
-    let expected = AugmentedSettings { alpha_slow: 0.002, alpha_fast: 0.2 };
+    let expected = AugmentedSettings::default().alpha_slow(0.002).alpha_fast(0.2);
     assert_eq!((mcl.recovery.augmented, warnings.len()), (Some(expected), 0));
     let (mcl, warnings) = settings(&["recovery_alpha_slow: 0", "recovery_alpha_fast: 0.0"]);
     assert_eq!((mcl, warnings.len()), (MclSettings::default(), 0));
@@ -153,7 +153,7 @@ fn the_likelihood_field_has_the_values_of_nav2() {
     let expected = 0.9 * (-0.5_f64).exp() + 0.1 / 20.0;
     approx::assert_relative_eq!(field.likelihood(0.1), expected, epsilon = 1e-12);
     assert_eq!(weighting, Weighting::Product);
-    assert_eq!(beam_skip, Some(BeamSkip { threshold: 0.4, ..BeamSkip::default() }));
+    assert_eq!(beam_skip, Some(BeamSkip::default().threshold(0.4)));
 }
 
 #[test]
@@ -190,15 +190,6 @@ fn the_beam_model_is_the_beam_model() {
     let reason = "belongs to the likelihood field, which is not used";
     assert_eq!(warnings, [format!("amcl.yaml:11: laser_likelihood_max_dist: {reason}")]);
     let SensorSettings::Beam(beam) = mcl.sensor else { panic!("{:?}", mcl.sensor) };
-    let expected = BeamModelSettings {
-        z_hit: 0.8,
-        z_short: 0.1,
-        z_max: 0.04,
-        z_rand: 0.06,
-        sigma_hit: 0.1,
-        lambda_short: 0.3,
-        max_range: 30.0,
-        ..BeamModelSettings::default()
-    };
+    let expected = BeamModelSettings::default().z_hit(0.8).z_short(0.1).z_max(0.04).z_rand(0.06).sigma_hit(0.1).lambda_short(0.3).max_range(30.0);
     assert_eq!(beam, expected);
 }
