@@ -307,6 +307,35 @@ mod text {
     pub mod pose {
         use super::{Deserialize, Deserializer, Pose2, Serialize, Serializer};
 
+        /// A setting that is a pose, or may be one.
+        pub trait Pose: Sized {
+            /// The pose, if there is one.
+            fn pose(&self) -> Option<Pose2>;
+
+            /// The setting of a pose.
+            fn of(pose: Pose2) -> Self;
+        }
+
+        impl Pose for Pose2 {
+            fn pose(&self) -> Option<Pose2> {
+                Some(*self)
+            }
+
+            fn of(pose: Pose2) -> Self {
+                pose
+            }
+        }
+
+        impl Pose for Option<Pose2> {
+            fn pose(&self) -> Option<Pose2> {
+                *self
+            }
+
+            fn of(pose: Pose2) -> Self {
+                Some(pose)
+            }
+        }
+
         #[derive(Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
         struct Text {
@@ -322,18 +351,23 @@ mod text {
         ///
         /// # Errors
         /// Those of the serializer.
-        pub fn serialize<S: Serializer>(pose: &Pose2, serializer: S) -> Result<S::Ok, S::Error> {
-            let Pose2 { x, y, theta } = *pose;
-            Text { x, y, theta }.serialize(serializer)
+        pub fn serialize<T: Pose, S: Serializer>(
+            pose: &T,
+            serializer: S,
+        ) -> Result<S::Ok, S::Error> {
+            match pose.pose() {
+                Some(Pose2 { x, y, theta }) => Text { x, y, theta }.serialize(serializer),
+                None => serializer.serialize_none(),
+            }
         }
 
-        /// Reads a pose.
+        /// Reads a pose; the heading is brought to (-pi, pi].
         ///
         /// # Errors
         /// Unknown keys, another unit, and what the deserializer says.
-        pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Pose2, D::Error> {
+        pub fn deserialize<'de, T: Pose, D: Deserializer<'de>>(from: D) -> Result<T, D::Error> {
             let Text { x, y, theta } = Text::deserialize(from)?;
-            Ok(Pose2 { x, y, theta })
+            Ok(T::of(Pose2::new(x, y, theta)))
         }
     }
 }

@@ -30,7 +30,7 @@
 use crate::elementary::ROUND;
 use crate::resample::CumulativeWeights;
 use crate::{Poses, Resampling, Result, Workers};
-use loc_core::error::{finite, in_range, positive};
+use loc_core::error::{finite, in_range};
 use loc_core::{Normal, Pose2};
 use rand::Rng;
 use std::f64::consts::TAU;

@@ -40,7 +40,6 @@
 use crate::mcl::MountedScan;
 use crate::sensor::beam::{BeamModel, RangeModel, reading};
 use crate::{Particles, Result};
-use loc_core::error::{non_negative, positive, probability};
 use loc_core::{Normal, Pose2, angle};
 use loc_maps::{LikelihoodField, RayCaster};
 use nalgebra::{Matrix3, Point2, Vector3};

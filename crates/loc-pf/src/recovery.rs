@@ -15,7 +15,7 @@
 //! ```
 
 use crate::Result;
-use loc_core::error::{in_range, positive, probability};
+use loc_core::error::positive;
 
 /// Probability of being elsewhere from which a search is required.
 const ALARM: f64 = 0.1;

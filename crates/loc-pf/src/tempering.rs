@@ -31,8 +31,7 @@
 use crate::log_weights::Mass;
 use crate::resample::CumulativeWeights;
 use crate::workers::PART;
-use crate::{Likelihood, ParticleFilter, Particles, Poses, Resampling, Result, Transport, Workers};
-use loc_core::error::{in_range, positive};
+use crate::{Likelihood, ParticleFilter, Particles, Poses, Resampling, Transport, Workers};
 use loc_core::random::ChaCha8Rng;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};

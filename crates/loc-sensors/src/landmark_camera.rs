@@ -116,6 +116,7 @@ pub struct LandmarkNoise {
     /// Standard deviation of the distance at the camera \[m\]; also known as sigma_r.
     pub range_sigma: f64,
     /// Its growth with the distance \[m/m\].
+    #[cfg_attr(feature = "serde", serde(default))]
     pub range_sigma_per_m: f64,
     /// Standard deviation of the direction \[rad\]; also known as sigma_phi.
     #[cfg_attr(feature = "serde", serde(with = "loc_core::settings::angle"))]

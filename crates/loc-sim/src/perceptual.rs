@@ -255,7 +255,7 @@ const MAX_TRIES: usize = 10_000;
 pub struct PerceptualModelConfig {
     /// The world.
     pub world: WorldConfig,
-    /// The laser; `every_s` has no meaning here.
+    /// The laser; `every` has no meaning here.
     pub laser: LaserConfig,
     /// Number of places at which it scans.
     pub places: usize,

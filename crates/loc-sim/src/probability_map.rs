@@ -8,7 +8,7 @@
 //!
 //! ```
 //! use loc_sim::scenario::Scenario;
-//! let changes = ["probability_map.step_m=0.4".into(), "probability_map.headings=24".into()];
+//! let changes = ["probability_map.step=0.4".into(), "probability_map.headings=24".into()];
 //! let scenario = Scenario::named("probability-map", &changes)?;
 //! let illustration = scenario.illustrate(1)?.expect("it needs no method");
 //! assert_eq!(illustration.figures[0].file, "probability.svg");
@@ -19,7 +19,7 @@ use crate::Result;
 use crate::config::field;
 use crate::output::Illustration;
 use crate::output::figures::FigureFile;
-use crate::source::tour::{LaserConfig, PoseConfig, TourWorld, WorldConfig};
+use crate::source::tour::{LaserConfig, TourWorld, WorldConfig};
 use loc_core::Pose2;
 use loc_core::error::positive;
 use loc_core::random::stream;
@@ -67,7 +67,7 @@ impl ProbabilityMap {
     pub fn new(config: &ProbabilityMapConfig, seed: u64) -> Result<Self> {
         config.check()?;
         let world = TourWorld::open(config.world.as_ref(), config.map.as_deref())?;
-        let truth = config.pose.pose();
+        let truth = config.pose;
         if world.grid().occupancy_at(&truth.position()) != Occupancy::Free {
             let found = format!("{:.2}, {:.2}", truth.x, truth.y);
             return Err(field("probability_map.pose", "a place in free space", &found));
@@ -78,7 +78,7 @@ impl ProbabilityMap {
         let ends = beams.iter().map(|beam| scanner.mounting.transform(&beam.point()));
         let ends: Endpoints = ends.map(|end| [end.x, end.y]).collect();
         let field = LikelihoodField::new(world.grid(), &config.field)?;
-        let frame = squares(world.grid(), config.step_m)?;
+        let frame = squares(world.grid(), config.step)?;
         let headings: Vec<f64> =
             (0..config.headings).map(|k| TAU * k as f64 / config.headings as f64 - PI).collect();
         let mut map = ProbabilityMap {
@@ -163,8 +163,9 @@ pub struct ProbabilityMapConfig {
     /// A map of map_server, from the folder that the command runs in.
     pub map: Option<PathBuf>,
     /// Where the scan is taken.
-    pub pose: PoseConfig,
-    /// The laser; `every_s` has no meaning here.
+    #[serde(with = "loc_core::settings::pose")]
+    pub pose: Pose2,
+    /// The laser; `every` has no meaning here.
     pub laser: LaserConfig,
     /// How likely a beam's end is near an obstacle.
     #[serde(default)]
@@ -175,9 +176,9 @@ pub struct ProbabilityMapConfig {
     /// Number of headings that are tried at each place, 1 to 3600.
     #[serde(default = "headings")]
     pub headings: usize,
-    /// Distance between the places.
+    /// Distance between the places \[m\].
     #[serde(default = "step")]
-    pub step_m: f64,
+    pub step: f64,
     /// The colours reach from the highest likelihood down to one that is so many powers of ten
     /// lower.
     #[serde(default = "decades")]
@@ -209,7 +210,7 @@ impl ProbabilityMapConfig {
         if let Some(world) = &self.world {
             world.settings()?;
         }
-        self.pose.check("probability_map.pose")?;
+        self.pose.check()?;
         self.laser.scanner()?;
         self.field.check()?;
         if self.beams == 0 {
@@ -219,7 +220,7 @@ impl ProbabilityMapConfig {
             let found = self.headings.to_string();
             return Err(field("probability_map.headings", "1 to 3600", &found));
         }
-        positive("probability_map.step_m", self.step_m)?;
+        positive("probability_map.step", self.step)?;
         positive("probability_map.decades", self.decades)?;
         Ok(())
     }

@@ -58,7 +58,6 @@ pub use fit::{ScanFit, ScanRater};
 
 use crate::elementary::{exp, wrap};
 use crate::{Particles, Poses, Result};
-use loc_core::error::{finite, in_range, non_negative, positive};
 use loc_core::{Pose2, angle};
 use pulp::{Arch, Simd, WithSimd};
 

@@ -1,16 +1,12 @@
 //! The settings of FastSLAM.
 
 use crate::resample::{ResamplePolicy, ResampleWhen};
-use crate::{Resampling, Result};
+use crate::Resampling;
 use loc_filters::RobotSettings;
-use loc_core::Pose2;
-use loc_core::error::{finite, in_range, non_negative, positive};
-use loc_core::motion::{Integration, VelocityNoise};
-use loc_filters::association::{AssociationSettings, Associator, Rule};
+use loc_filters::association::{AssociationSettings, Rule};
 use loc_filters::landmark::RangeBearingModel;
 use loc_filters::slam::{Identities, MapSettings};
-use loc_filters::{Gate, MeasurementModel};
-use loc_sensors::landmark_camera::LandmarkNoise;
+use loc_filters::MeasurementModel;
 use nalgebra::{Point2, Vector2};
 
 loc_core::settings! {

@@ -1,10 +1,8 @@
 //! All settings of Monte Carlo localization with landmarks.
 
 use crate::sensor::landmark::ObservationModel;
-use crate::{Resampling, Result};
+use crate::Resampling;
 use loc_filters::RobotSettings;
-use loc_core::error::{in_range, positive, probability};
-use loc_core::motion::{Integration, VelocityNoise};
 
 loc_core::settings! {
     /// Settings of [`LandmarkMcl`](super::LandmarkMcl), with defaults that serve a small indoor robot.

@@ -10,7 +10,6 @@
 //! scans are averaged over the drive, and their scatter gives the standard deviation.
 
 use super::scan::{MountedScan, endpoints};
-use crate::Result;
 use loc_core::Pose2;
 use loc_core::error::in_range;
 use loc_maps::LikelihoodField;

@@ -36,7 +36,7 @@ pub use cumulative::CumulativeWeights;
 
 use crate::elementary::ROUND;
 use crate::workers::PART;
-use crate::{Result, Workers};
+use crate::Workers;
 use loc_core::error::{in_range, non_negative};
 use pulp::{Arch, Simd, WithSimd};
 use rand::{Rng, RngExt};

@@ -27,8 +27,7 @@
 //! ```
 
 use super::Likelihood;
-use crate::{Poses, Result};
-use loc_core::error::{positive, probability};
+use crate::Poses;
 use loc_maps::LikelihoodField;
 use loc_maps::likelihood_field::{Endpoints, LikelihoodTable};
 

@@ -166,8 +166,8 @@ impl NoisyOdometry {
             let unit: f64 = StandardNormal.sample(&mut self.rng);
             variance.sqrt() * unit
         };
-        let along = normal(self.noise.k_d * distance);
-        let heading = normal(self.noise.k_theta * rotation + self.noise.k_drift * distance);
+        let along = normal(self.noise.k_d() * distance);
+        let heading = normal(self.noise.k_theta() * rotation + self.noise.k_drift() * distance);
         let scale = if distance > 0.0 { 1.0 + along / distance } else { 1.0 };
         let (sin, cos) = (heading / 2.0).sin_cos();
         Pose2::new(

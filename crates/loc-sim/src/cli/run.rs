@@ -46,19 +46,14 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     } else {
         Scenario::named(name, changes)?
     };
-    if let Some(threads) = global.threads {
-        let filter = scenario.filter.get_or_insert_default();
-        filter.mcl.threads = threads;
-        filter.landmark_mcl.threads = Some(threads);
-        filter.fastslam.threads = Some(threads);
-    }
+    scenario.threads = global.threads;
     let seed = args.seed.unwrap_or(scenario.seed);
     if let Some(illustration) = scenario.illustrate(seed)? {
         return show_illustration(&illustration, (&scenario, &text), &args.output, global);
     }
     let methods = &args.output.methods;
     if args.output.smooth {
-        scenario.filter.get_or_insert_default().smooth = true;
+        scenario.filter.insert("smooth".into(), true.into());
         let own = scenario.method_list()?;
         args.output.check_smoothing(if methods.is_empty() { &own } else { methods })?;
     }

@@ -26,18 +26,18 @@ use serde_json::json;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mcl1dConfig {
-    /// Length of the corridor.
-    pub length_m: f64,
-    /// The middles of the doors.
-    pub doors_m: Vec<f64>,
-    /// Where the robot starts.
-    pub start_m: f64,
-    /// How far it drives between the two observations.
-    pub drive_m: f64,
-    /// Standard deviation of the distance driven.
-    pub drive_sigma_m: f64,
-    /// How far from a door's middle a robot may be that sees it, as a standard deviation.
-    pub door_sigma_m: f64,
+    /// Length of the corridor \[m\].
+    pub length: f64,
+    /// The middles of the doors \[m\].
+    pub doors: Vec<f64>,
+    /// Where the robot starts \[m\].
+    pub start: f64,
+    /// How far it drives between the two observations \[m\].
+    pub drive: f64,
+    /// Standard deviation of the distance driven \[m\].
+    pub drive_sigma: f64,
+    /// How far from a door's middle a robot may be that sees it, as a standard deviation \[m\].
+    pub door_sigma: f64,
     /// How likely a door is reported where none is, beside one right before it.
     pub false_door: f64,
     /// Number of particles.
@@ -63,8 +63,8 @@ const HALF_DOOR: f64 = 0.5;
 impl Mcl1dConfig {
     /// How likely it is to report a door at a place, beside being right before one.
     pub fn likelihood(&self, place: f64) -> f64 {
-        let nearness = |door: &f64| (-0.5 * ((place - door) / self.door_sigma_m).powi(2)).exp();
-        self.false_door + self.doors_m.iter().map(nearness).sum::<f64>()
+        let nearness = |door: &f64| (-0.5 * ((place - door) / self.door_sigma).powi(2)).exp();
+        self.false_door + self.doors.iter().map(nearness).sum::<f64>()
     }
 
     /// Runs the filter through its five stages, a to e.
@@ -77,16 +77,16 @@ impl Mcl1dConfig {
         let at = |place: f64| Pose2::new(place, 0.0, 0.0);
         // Evenly spread, so that the prior looks like what it is.
         let spread = |k: usize, u: f64| (k as f64 + u) / count as f64;
-        let places = (0..count).map(|k| self.length_m * spread(k, rng.random::<f64>()));
+        let places = (0..count).map(|k| self.length * spread(k, rng.random::<f64>()));
         let particles = Particles::from_poses(places.map(at));
         let mut filter = ParticleFilter::new(particles, stream(seed, "filter"));
         let door = |pose: Pose2| self.likelihood(pose.x).ln();
         let drive = |pose: Pose2, rng: &mut ChaCha8Rng| {
             let error: f64 = StandardNormal.sample(rng);
             // A wall ends the corridor.
-            at((pose.x + self.drive_m + self.drive_sigma_m * error).clamp(0.0, self.length_m))
+            at((pose.x + self.drive + self.drive_sigma * error).clamp(0.0, self.length))
         };
-        let (start, end) = (self.start_m, self.start_m + self.drive_m);
+        let (start, end) = (self.start, self.start + self.drive);
         let stage = |name, filter: &ParticleFilter, truth, weighed| {
             let set = filter.particles();
             let particles = set.poses().x.iter().copied().zip(set.weights()).collect();
@@ -114,8 +114,8 @@ impl Mcl1dConfig {
         let highest = weights().map(|(_, weight)| weight).fold(0.0, f64::max);
         panel(
             stage.name,
-            (&self.doors_m, HALF_DOOR),
-            self.length_m,
+            (&self.doors, HALF_DOOR),
+            self.length,
             highest,
             stage.truth,
             |chart| {
@@ -124,9 +124,9 @@ impl Mcl1dConfig {
                     return chart;
                 }
                 // Right before a door the report is as likely as it can be.
-                let doors = self.doors_m.iter().map(|&door| self.likelihood(door));
+                let doors = self.doors.iter().map(|&door| self.likelihood(door));
                 let scale = highest / doors.fold(0.0, f64::max);
-                let curve = (0..=400).map(|k| self.length_m * f64::from(k) / 400.0);
+                let curve = (0..=400).map(|k| self.length * f64::from(k) / 400.0);
                 let curve = curve.map(|place| (place, scale * self.likelihood(place)));
                 chart.line(Role::Method(1), "likelihood of seeing a door (its own scale)", curve)
             },
@@ -136,11 +136,11 @@ impl Mcl1dConfig {
 
 impl Demonstration for Mcl1dConfig {
     fn check(&self) -> Result<()> {
-        positive("demonstration.length_m", self.length_m)?;
-        check_places(self.length_m, &self.doors_m, self.start_m)?;
-        inside(self.length_m, "demonstration.start_m + drive_m", self.start_m + self.drive_m)?;
-        non_negative("demonstration.drive_sigma_m", self.drive_sigma_m)?;
-        positive("demonstration.door_sigma_m", self.door_sigma_m)?;
+        positive("demonstration.length", self.length)?;
+        check_places(self.length, &self.doors, self.start)?;
+        inside(self.length, "demonstration.start + drive", self.start + self.drive)?;
+        non_negative("demonstration.drive_sigma", self.drive_sigma)?;
+        positive("demonstration.door_sigma", self.door_sigma)?;
         positive("demonstration.false_door", self.false_door)?;
         check_count("demonstration.particles", self.particles, 100_000)
     }
@@ -161,7 +161,7 @@ impl Demonstration for Mcl1dConfig {
             let name = stage.name;
             lines.push(format!("{name:<24}{mean:>10.2}{sigma:>11.2}{:>10.1} %", 100.0 * near));
             stages.push(json!({"stage": name, "truth_m": stage.truth, "mean_m": mean,
-                "sigma_m": sigma, "share_near_truth": near}));
+                "sigma": sigma, "share_near_truth": near}));
             figure = figure.panel(self.panel(stage));
         }
         let caption = "Particles with their weights in a corridor with doors, in five stages";
@@ -189,21 +189,21 @@ impl Stage {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DoorCorridorConfig {
-    /// Length of the corridor.
-    pub length_m: f64,
-    /// Length of a cell.
-    pub cell_m: f64,
-    /// The middles of the doors.
-    pub doors_m: Vec<f64>,
-    /// Width of each door.
-    pub door_width_m: f64,
-    /// Where the robot starts.
-    pub start_m: f64,
+    /// Length of the corridor \[m\].
+    pub length: f64,
+    /// Length of a cell \[m\].
+    pub cell: f64,
+    /// The middles of the doors \[m\].
+    pub doors: Vec<f64>,
+    /// Width of each door \[m\].
+    pub door_width: f64,
+    /// Where the robot starts \[m\].
+    pub start: f64,
     /// How far it drives between two observations, backwards if negative; 1 to 8 drives, each of
-    /// which takes two panels of the figure.
-    pub drives_m: Vec<f64>,
-    /// Standard deviation of the distance after 1 m.
-    pub drive_sigma_m: f64,
+    /// which takes two panels of the figure \[m\].
+    pub drives: Vec<f64>,
+    /// Standard deviation of the distance after 1 m \[m\].
+    pub drive_sigma: f64,
     /// P(reports a door | there is one).
     pub sees_door: f64,
     /// P(reports a door | there is none).
@@ -223,7 +223,7 @@ pub struct Step {
 
 impl DoorCorridorConfig {
     fn is_door(&self, place: f64) -> bool {
-        self.doors_m.iter().any(|door| (place - door).abs() <= 0.5 * self.door_width_m)
+        self.doors.iter().any(|door| (place - door).abs() <= 0.5 * self.door_width)
     }
 
     /// P(report | place).
@@ -240,14 +240,14 @@ impl DoorCorridorConfig {
     pub fn steps(&self, seed: u64) -> Result<Vec<Step>> {
         self.check()?;
         let mut rng = stream(seed, "demonstration");
-        let mut belief = LineGrid::uniform(self.length_m, self.cell_m)?;
-        let mut truth = self.start_m;
+        let mut belief = LineGrid::uniform(self.length, self.cell)?;
+        let mut truth = self.start;
         let mut steps = vec![Step { name: "no idea".into(), belief: belief.clone(), truth }];
-        for drive in std::iter::once(None).chain(self.drives_m.iter().map(Some)) {
+        for drive in std::iter::once(None).chain(self.drives.iter().map(Some)) {
             if let Some(&distance) = drive {
                 let error: f64 = StandardNormal.sample(&mut rng);
-                let sigma = self.drive_sigma_m * distance.abs().sqrt();
-                truth = (truth + distance + error * sigma).clamp(0.0, self.length_m);
+                let sigma = self.drive_sigma * distance.abs().sqrt();
+                truth = (truth + distance + error * sigma).clamp(0.0, self.length);
                 belief.predict(distance, sigma)?;
                 let name = format!("drives {distance} m");
                 steps.push(Step { name, belief: belief.clone(), truth });
@@ -262,10 +262,10 @@ impl DoorCorridorConfig {
     }
 
     fn panel(&self, step: &Step) -> Chart {
-        let (belief, doors) = (&step.belief, (&self.doors_m[..], 0.5 * self.door_width_m));
+        let (belief, doors) = (&step.belief, (&self.doors[..], 0.5 * self.door_width));
         let highest = belief.probabilities().iter().copied().fold(0.0, f64::max);
         let heights = belief.centers().zip(belief.probabilities().iter().copied());
-        panel(&step.name, doors, self.length_m, highest, step.truth, |chart| {
+        panel(&step.name, doors, self.length, highest, step.truth, |chart| {
             chart.bars(Role::Method(0), "belief", 0.9 * belief.cell(), heights)
         })
     }
@@ -273,24 +273,24 @@ impl DoorCorridorConfig {
 
 impl Demonstration for DoorCorridorConfig {
     fn check(&self) -> Result<()> {
-        positive("demonstration.length_m", self.length_m)?;
-        positive("demonstration.cell_m", self.cell_m)?;
-        LineGrid::uniform(self.length_m, self.cell_m)?;
-        positive("demonstration.door_width_m", self.door_width_m)?;
-        non_negative("demonstration.drive_sigma_m", self.drive_sigma_m)?;
+        positive("demonstration.length", self.length)?;
+        positive("demonstration.cell", self.cell)?;
+        LineGrid::uniform(self.length, self.cell)?;
+        positive("demonstration.door_width", self.door_width)?;
+        non_negative("demonstration.drive_sigma", self.drive_sigma)?;
         probability("demonstration.sees_door", self.sees_door)?;
         let possible = |p: f64| p > 0.0 && p < 1.0;
         let expected = "a number above 0 and below 1";
         in_range("demonstration.false_door", expected, self.false_door, possible)?;
-        check_places(self.length_m, &self.doors_m, self.start_m)?;
-        let drives = self.drives_m.len();
+        check_places(self.length, &self.doors, self.start)?;
+        let drives = self.drives.len();
         if !(1..=8).contains(&drives) {
-            return Err(field("demonstration.drives_m", "1 to 8 drives", &drives.to_string()));
+            return Err(field("demonstration.drives", "1 to 8 drives", &drives.to_string()));
         }
-        let mut place = self.start_m;
-        self.drives_m.iter().try_for_each(|drive| {
+        let mut place = self.start;
+        self.drives.iter().try_for_each(|drive| {
             place += drive;
-            inside(self.length_m, "demonstration.start_m + drives_m", place)
+            inside(self.length, "demonstration.start + drives", place)
         })
     }
 
@@ -312,7 +312,7 @@ impl Demonstration for DoorCorridorConfig {
             let moments = format!("{truth:>11.2}{likely:>13.2}{mean:>8.2}{sigma:>8.2}");
             lines.push(format!("{name:<24}{moments}{:>12.1} %", 100.0 * near));
             steps.push(json!({"step": name, "truth_m": truth, "most_likely_m": likely,
-                "mean_m": mean, "sigma_m": sigma, "share_near_truth": near}));
+                "mean_m": mean, "sigma": sigma, "share_near_truth": near}));
             figure = figure.panel(self.panel(step));
         }
         let summary = json!({"cells": all[0].belief.probabilities().len(), "steps": steps});
@@ -337,8 +337,8 @@ fn inside(length: f64, key: &str, place: f64) -> Result<()> {
 }
 
 fn check_places(length: f64, doors: &[f64], start: f64) -> Result<()> {
-    doors.iter().try_for_each(|&door| inside(length, "demonstration.doors_m", door))?;
-    inside(length, "demonstration.start_m", start)
+    doors.iter().try_for_each(|&door| inside(length, "demonstration.doors", door))?;
+    inside(length, "demonstration.start", start)
 }
 
 /// Doors (middles and half their width), the belief up to `highest`, and the true place.

@@ -24,8 +24,8 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LaterationConfig {
-    /// Standard deviation of every distance.
-    pub range_sigma_m: f64,
+    /// Standard deviation of every distance \[m\].
+    pub range_sigma: f64,
     /// How often the distances are measured anew, to see where the places scatter.
     pub draws: usize,
     /// The rooms.
@@ -38,12 +38,12 @@ pub struct LaterationConfig {
 pub struct RoomConfig {
     /// What is to be seen.
     pub name: String,
-    /// The landmarks.
-    pub landmarks_m: Vec<Vec<f64>>,
-    /// Where the robot is.
-    pub robot_m: Vec<f64>,
-    /// Where it is believed to be beforehand; it decides between two places.
-    pub start_m: Option<Vec<f64>>,
+    /// The landmarks \[m\].
+    pub landmarks: Vec<Vec<f64>>,
+    /// Where the robot is \[m\].
+    pub robot: Vec<f64>,
+    /// Where it is believed to be beforehand; it decides between two places \[m\].
+    pub start: Option<Vec<f64>>,
 }
 
 /// What lateration found in a room. Places are given by two coordinates: x, y in the plane, and
@@ -99,7 +99,7 @@ impl LaterationConfig {
     fn draw(&self, rooms: &[Room], title: &str) -> FigureFile {
         let subtitle = format!(
             "distances good to {} m, measured once (circles, ellipse) and {} times more (dots)",
-            self.range_sigma_m, self.draws
+            self.range_sigma, self.draws
         );
         let mut frames = Frames::new(title).subtitle(subtitle).columns(2);
         let window = Window::around(rooms);
@@ -115,7 +115,7 @@ impl LaterationConfig {
 
 impl Demonstration for LaterationConfig {
     fn check(&self) -> Result<()> {
-        positive("demonstration.range_sigma_m", self.range_sigma_m)?;
+        positive("demonstration.range_sigma", self.range_sigma)?;
         check_count("demonstration.draws", self.draws, 100_000)?;
         check_count("demonstration.rooms", self.rooms.len(), 12)?;
         self.rooms.iter().try_for_each(RoomConfig::check)
@@ -135,7 +135,7 @@ impl Demonstration for LaterationConfig {
             lines.extend(room.cautions.iter().map(|caution| format!("  {}", words(caution))));
         }
         let summaries: Vec<Value> = rooms.iter().map(Room::summary).collect();
-        let summary = json!({"range_sigma_m": self.range_sigma_m, "rooms": summaries});
+        let summary = json!({"range_sigma": self.range_sigma, "rooms": summaries});
         Ok(Illustration::new(lines, summary, vec![self.draw(&rooms, title)]))
     }
 }
@@ -143,17 +143,17 @@ impl Demonstration for LaterationConfig {
 impl RoomConfig {
     /// Number of coordinates.
     fn dimension(&self) -> usize {
-        self.robot_m.len()
+        self.robot.len()
     }
 
     fn check(&self) -> Result<()> {
         let d = self.dimension();
         let found = |place: &[f64]| format!("{place:?} in {}", self.name);
         if !(2..=3).contains(&d) {
-            let key = "demonstration.rooms.robot_m";
-            return Err(field(key, "2 or 3 coordinates", &found(&self.robot_m)));
+            let key = "demonstration.rooms.robot";
+            return Err(field(key, "2 or 3 coordinates", &found(&self.robot)));
         }
-        for place in self.landmarks_m.iter().chain(&self.start_m).chain([&self.robot_m]) {
+        for place in self.landmarks.iter().chain(&self.start).chain([&self.robot]) {
             if place.len() != d || !place.iter().all(|value| value.is_finite()) {
                 let expected = format!("places of {d} finite coordinates, as the robot has");
                 return Err(field("demonstration.rooms", &expected, &found(place)));
@@ -168,7 +168,7 @@ impl Room {
         json!({
             "name": self.name,
             "coordinates": if self.dimension == 2 { ["x", "y"] } else { ["x", "z"] },
-            "robot_m": self.robot.as_slice(),
+            "robot": self.robot.as_slice(),
             "place_m": self.best.mean.as_slice(),
             "other_place_m": self.other.as_ref().map(|other| other.mean.as_slice()),
             "dilution": self.dilution,
@@ -187,14 +187,14 @@ fn measure<const D: usize>(
     // Checked: every place has as many coordinates as the room.
     let place =
         |coordinates: &[f64]| Point::<f64, D>::from(std::array::from_fn(|k| coordinates[k]));
-    let robot = place(&room.robot_m);
-    let start = room.start_m.as_deref().map(place);
-    let landmarks: Vec<Point<f64, D>> = room.landmarks_m.iter().map(|l| place(l)).collect();
+    let robot = place(&room.robot);
+    let start = room.start.as_deref().map(place);
+    let landmarks: Vec<Point<f64, D>> = room.landmarks.iter().map(|l| place(l)).collect();
     let mut once = || -> Result<(Vec<Range<D>>, Solution<D>)> {
         let range = |landmark: &Point<f64, D>| {
             let noise: f64 = StandardNormal.sample(rng);
-            let distance = nalgebra::distance(landmark, &robot) + config.range_sigma_m * noise;
-            Range { landmark: *landmark, distance: distance.max(0.0), sigma: config.range_sigma_m }
+            let distance = nalgebra::distance(landmark, &robot) + config.range_sigma * noise;
+            Range { landmark: *landmark, distance: distance.max(0.0), sigma: config.range_sigma }
         };
         let ranges: Vec<Range<D>> = landmarks.iter().map(range).collect();
         let solution = locate(&ranges, start, &LaterationSettings::default())?;

@@ -36,8 +36,8 @@ pub struct TopologicalConfig {
     pub tour: TourConfig,
     /// From how many spots the views of a place are learned.
     pub views: usize,
-    /// Distance between two observations.
-    pub look_every_m: f64,
+    /// Distance between two observations \[m\].
+    pub look_every: f64,
     /// As which share of an independent scan each one counts.
     pub independence: f64,
     /// Probability of a scan that fits none of the places.
@@ -98,7 +98,7 @@ impl TopologicalTour {
         let mut drive =
             Drive { filter, views, steps: Vec::new(), distance: 0.0, distance_at_step: 0.0 };
         drive
-            .follow(SimulatedTour::new("topological", &config.tour, seed)?, config.look_every_m)?;
+            .follow(SimulatedTour::new("topological", &config.tour, seed)?, config.look_every)?;
         Ok(TopologicalTour { grid: world.grid().clone(), map, steps: drive.steps })
     }
 }
@@ -106,7 +106,7 @@ impl TopologicalTour {
 impl Demonstration for TopologicalConfig {
     fn check(&self) -> Result<()> {
         check_count("demonstration.views", self.views, 10_000)?;
-        positive("demonstration.look_every_m", self.look_every_m)?;
+        positive("demonstration.look_every", self.look_every)?;
         positive("demonstration.independence", self.independence)?;
         probability("demonstration.surprise", self.surprise)?;
         Ok(())
@@ -239,7 +239,7 @@ fn take_views(
     rng: &mut ChaCha8Rng,
 ) -> Result<Vec<Vec<LaserScan>>> {
     let scanner = config.tour.laser.scanner()?;
-    let radius = config.tour.robot.radius_m;
+    let radius = config.tour.robot.radius;
     let mut places = Vec::with_capacity(map.places().len());
     for (index, place) in map.places().iter().enumerate() {
         let suits =

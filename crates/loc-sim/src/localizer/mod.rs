@@ -16,11 +16,11 @@ use loc_filters::fusion::FusedLocalizer;
 use loc_filters::fusion::state::STATES;
 use loc_filters::histogram::GridLocalizer;
 use loc_filters::kalman::rail::RailLocalizer;
-use loc_filters::landmark::{LandmarkLocalizer, RobotSettings};
+use loc_filters::landmark::LandmarkLocalizer;
 use loc_filters::lateration::SlidingLateration;
-use loc_filters::line_matching::{self, LineFilter, LineMatchingSettings};
+use loc_filters::line_matching::{self, LineFilter};
 use loc_filters::localizer::{Estimate, Localizer};
-use loc_filters::slam::{LinearSlamLocalizer, LinearSlamSettings, SlamLocalizer};
+use loc_filters::slam::{LinearSlamLocalizer, SlamLocalizer};
 use loc_filters::smoother::{Recorded, smooth};
 use loc_filters::{
     ExtendedKalmanFilter as Extended, NonlinearFilter, UnscentedKalmanFilter as Unscented,
@@ -227,7 +227,7 @@ impl Make<'_> {
 
     /// A localizer that takes inputs up to the horizon of the settings late.
     fn delayed<L: Sequential + 'static>(&self, localizer: L) -> Result<Box<dyn Localizer>> {
-        Ok(Box::new(Delayed::new(localizer, self.settings.horizon)?))
+        Ok(Box::new(Delayed::new(localizer, self.settings.robot.horizon)?))
     }
 
     fn map(&self) -> Result<&OccupancyGrid> {
@@ -242,9 +242,8 @@ impl Make<'_> {
     }
 
     fn dead_reckoning(&self) -> Result<DeadReckoning> {
-        let noise = self.settings.mcl.motion.path_noise();
         let (start, belief) = (self.setup.start, self.setup.start_belief);
-        Ok(DeadReckoning::new(self.settings.landmark, noise, start, belief)?)
+        Ok(DeadReckoning::new(self.settings.robot, start, belief)?)
     }
 
     fn rail(&self) -> Result<RailLocalizer> {
@@ -253,7 +252,7 @@ impl Make<'_> {
     }
 
     fn lateration(&self) -> Result<SlidingLateration> {
-        let (map, settings) = (self.landmark_map()?, self.settings.lateration());
+        let (map, settings) = (self.landmark_map()?, self.settings.lateration);
         let lateration = SlidingLateration::new(map, settings, self.setup.start)?;
         if self.settings.global {
             return Ok(lateration);
@@ -262,7 +261,7 @@ impl Make<'_> {
     }
 
     fn landmarks<F: NonlinearFilter<3>>(&self) -> Result<LandmarkLocalizer<F>> {
-        let (map, settings) = (self.landmark_map()?, self.settings.landmark);
+        let (map, settings) = (self.landmark_map()?, self.settings.robot);
         let (start, belief) = (self.setup.start, self.setup.start_belief);
         Ok(LandmarkLocalizer::with_filter(map, settings, start, belief)?)
     }
@@ -287,7 +286,7 @@ impl Make<'_> {
         if self.setup.rail.is_some() {
             return Err(self.unsuitable("a robot in the plane"));
         }
-        let (map, settings) = (self.setup.landmarks.clone(), self.settings.fusion());
+        let (map, settings) = (self.setup.landmarks.clone(), self.settings.fusion);
         let (start, belief) = (self.setup.start, self.setup.start_belief);
         Ok(FusedLocalizer::with_filter(map, settings, start, belief)?)
     }
@@ -311,7 +310,7 @@ impl Make<'_> {
 
     fn landmark_mcl(&self) -> Result<LandmarkMcl> {
         let (map, rng) = (self.setup.landmarks.clone(), stream(self.settings.seed, "mcl"));
-        let (settings, start) = (self.settings.landmark_mcl(), self.setup.start);
+        let (settings, start) = (self.settings.landmark_mcl, self.setup.start);
         Ok(if self.settings.global {
             LandmarkMcl::anywhere(map, settings, start, rng)?
         } else {
@@ -320,27 +319,19 @@ impl Make<'_> {
     }
 
     fn kf_slam(&self) -> Result<LinearSlamLocalizer> {
-        let RobotSettings {
-            motion_noise, gate_probability, mounting, observation_noise, ..
-        } = self.settings.landmark;
-        let linear = LinearSlamSettings {
-            k_d: motion_noise.k_d,
-            gate_probability,
-            ..LinearSlamSettings::default()
-        };
         let (start, belief) = (self.setup.start, &self.setup.start_belief);
-        Ok(LinearSlamLocalizer::new(linear, mounting, observation_noise, start, belief)?)
+        Ok(LinearSlamLocalizer::new(self.settings.slam, start, belief)?)
     }
 
     fn ekf_slam(&self) -> Result<SlamLocalizer> {
         let (start, belief) = (self.setup.start, self.setup.start_belief);
-        Ok(SlamLocalizer::new(self.settings.slam(), start, belief)?)
+        Ok(SlamLocalizer::new(self.settings.slam, start, belief)?)
     }
 
     fn fastslam(&self) -> Result<FastSlamLocalizer> {
         let rng = stream(self.settings.seed, "fastslam");
         let (start, belief) = (self.setup.start, self.setup.start_belief);
-        Ok(FastSlamLocalizer::new(self.settings.fastslam(), start, belief, rng)?)
+        Ok(FastSlamLocalizer::new(self.settings.fastslam, start, belief, rng)?)
     }
 }
 

@@ -1,133 +1,185 @@
 //! The settings of all methods.
 
+use crate::{Result, config};
+use loc_filters::RobotSettings;
 use loc_filters::fusion::FusionSettings;
 use loc_filters::histogram::GridSettings;
 use loc_filters::kalman::rail::RailSettings;
-use loc_filters::landmark::RobotSettings;
 use loc_filters::lateration::SlidingSettings;
 use loc_filters::line_matching::LineMatchingSettings;
 use loc_filters::slam::SlamSettings;
-use loc_pf::sensor::landmark::ObservationModel;
 use loc_pf::{FastSlamSettings, LandmarkMclSettings, MclSettings};
+use serde::{Deserialize, Serialize};
+use toml::{Table, Value};
 
-/// Settings of all methods; what belongs to the robot and its sensors is said once.
-#[derive(Debug, Clone, PartialEq)]
+/// Settings of all methods: the section `[filter]` of a scenario or recording.
+///
+/// The robot is given once, in `robot`, and every method has a copy of it: [`MethodSettings::of`]
+/// makes the copies, and a file may change one of them (`[filter.slam.robot]`).
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct MethodSettings {
-    /// For a robot in the plane.
-    pub landmark: RobotSettings,
-    /// How late an input may come \[s\].
-    pub horizon: f64,
-    /// For a vehicle on a rail.
-    pub rail: RailSettings,
+    /// The robot and its sensors.
+    pub robot: RobotSettings,
     /// For matching lines of scans with those of a map.
     pub line_matching: LineMatchingSettings,
     /// For the particle filter in a map.
     pub mcl: MclSettings,
-    /// For the particle filter among landmarks; what it shares with the other methods among
-    /// landmarks, it takes from there.
+    /// For the particle filter among landmarks.
     pub landmark_mcl: LandmarkMclSettings,
     /// For the grid over the poses in a map.
     pub histogram: GridSettings,
-    /// For lateration; what it shares with the other methods among landmarks, it takes from there.
+    /// For lateration.
     pub lateration: SlidingSettings,
-    /// For `fusion`; what it shares with the other methods among landmarks, it takes from there.
+    /// For `fusion`.
     pub fusion: FusionSettings,
-    /// For `ekf-slam`; what it shares with the other methods among landmarks, it takes from there.
+    /// For `ekf-slam` and `kf-slam`.
     pub slam: SlamSettings,
-    /// Whether `ekf-slam` keeps the noise of observations that stands in its own settings.
-    pub slam_own_noise: bool,
-    /// For `fastslam`; what it shares with `ekf-slam`, it takes from there.
+    /// For `fastslam`.
     pub fastslam: FastSlamSettings,
     /// Whether methods that can find the robot anywhere are not told where it starts.
     pub global: bool,
-    /// Whether those methods run a second time without being told, beside their run from the start.
-    pub also_global: bool,
     /// Whether the estimates of Kalman filters are smoothed after the run, beside those that they
     /// had during it.
     pub smooth: bool,
+    /// For a vehicle on a rail.
+    #[serde(skip)]
+    pub rail: RailSettings,
+    /// Whether methods that can search run a second time without a start pose, beside their run
+    /// from the start.
+    #[serde(skip)]
+    pub also_global: bool,
     /// Seed of the methods that draw random numbers.
+    #[serde(skip)]
     pub seed: u64,
 }
 
-impl Default for MethodSettings {
-    fn default() -> Self {
+/// The sections of methods that have a copy of the robot.
+const WITH_ROBOT: [&str; 8] = [
+    "line_matching",
+    "mcl",
+    "landmark_mcl",
+    "histogram",
+    "lateration",
+    "fusion",
+    "slam",
+    "fastslam",
+];
+
+impl MethodSettings {
+    /// The defaults for a robot.
+    pub fn of(robot: RobotSettings) -> Self {
+        MethodSettings::default().with_robot(robot)
+    }
+
+    /// The same settings for another robot.
+    #[must_use]
+    pub fn with_robot(self, robot: RobotSettings) -> Self {
         MethodSettings {
-            landmark: RobotSettings::default(),
-            horizon: 2.0,
-            rail: RailSettings::default(),
-            line_matching: LineMatchingSettings::default(),
-            mcl: MclSettings::default(),
-            landmark_mcl: LandmarkMclSettings::default(),
-            histogram: GridSettings::default(),
-            lateration: SlidingSettings::default(),
-            fusion: FusionSettings::default(),
-            slam: SlamSettings::default(),
-            slam_own_noise: false,
-            fastslam: FastSlamSettings::default(),
-            global: false,
-            also_global: false,
-            smooth: false,
-            seed: 0,
+            robot,
+            line_matching: self.line_matching.robot(robot),
+            mcl: self.mcl.robot(robot),
+            landmark_mcl: self.landmark_mcl.robot(robot),
+            histogram: self.histogram.robot(robot),
+            lateration: self.lateration.robot(robot),
+            fusion: self.fusion.robot(robot),
+            slam: self.slam.robot(robot),
+            fastslam: self.fastslam.robot(robot),
+            ..self
         }
+    }
+
+    /// These settings with what a section `[filter]` gives put over them.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] for unknown keys and other types, [`loc_core::Error::OutOfRange`]
+    /// for values that are not allowed.
+    pub fn overlaid(&self, filter: &Table) -> Result<Self> {
+        let wrong = |error: &dyn std::fmt::Display| config::error("filter", &error.to_string());
+        let mut given = filter.clone();
+        if let Some(Value::Table(robot)) = filter.get("robot") {
+            for section in WITH_ROBOT {
+                let section = given.entry(section).or_insert_with(|| Table::new().into());
+                let Value::Table(section) = section else { continue };
+                let mut merged = Value::Table(robot.clone());
+                if let Some(own) = section.remove("robot") {
+                    merge(&mut merged, own);
+                }
+                section.insert("robot".into(), merged);
+            }
+        }
+        let mut all = Value::try_from(self).map_err(|e| wrong(&e))?;
+        merge(&mut all, Value::Table(given));
+        let read: MethodSettings = all.try_into().map_err(|e: toml::de::Error| wrong(&e.message()))?;
+        read.check()?;
+        let MethodSettings { rail, also_global, seed, .. } = self.clone();
+        Ok(MethodSettings { rail, also_global, seed, ..read })
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`loc_core::Error::OutOfRange`] with the name of the first that is not allowed.
+    pub fn check(&self) -> Result<()> {
+        self.robot.gate()?;
+        self.line_matching.check()?;
+        self.mcl.check()?;
+        self.landmark_mcl.check()?;
+        self.histogram.check()?;
+        self.lateration.check()?;
+        self.fusion.check()?;
+        self.slam.check()?;
+        self.fastslam.check()?;
+        Ok(())
+    }
+
+    /// The section `[filter]` that gives all of these settings, with the robot once.
+    ///
+    /// # Errors
+    /// [`crate::Error::Config`] for a number that TOML has no form for.
+    pub fn to_toml(&self) -> Result<String> {
+        let wrong = |error: &toml::ser::Error| config::error("filter", &error.to_string());
+        let mut filter = Table::try_from(self).map_err(|e| wrong(&e))?;
+        let robot = filter.get("robot").cloned();
+        for section in WITH_ROBOT {
+            let Some(Value::Table(section)) = filter.get_mut(section) else { continue };
+            let (Some(Value::Table(own)), Some(Value::Table(all))) =
+                (section.get_mut("robot"), &robot)
+            else {
+                continue;
+            };
+            own.retain(|key, value| all.get(key) != Some(value));
+            if own.is_empty() {
+                section.remove("robot");
+            }
+        }
+        let mut whole = Table::new();
+        whole.insert("filter".into(), filter.into());
+        toml::to_string(&whole).map_err(|e| wrong(&e))
     }
 }
 
-impl MethodSettings {
-    /// Settings of the particle filter among landmarks, with what all methods there are told.
-    pub fn landmark_mcl(&self) -> LandmarkMclSettings {
-        let RobotSettings { integration, motion_noise, observation_noise, mounting, .. } =
-            self.landmark;
-        let own = self.landmark_mcl;
-        let sights = ObservationModel { noise: observation_noise, mounting, ..own.sights };
-        own.robot(own.robot.integration(integration).odometry(motion_noise)).sights(sights)
-    }
-
-    /// Settings of lateration, with what all methods among landmarks are told.
-    pub fn lateration(&self) -> SlidingSettings {
-        let RobotSettings { integration, motion_noise, observation_noise, mounting, .. } =
-            self.landmark;
-        self.lateration.robot(self.lateration.robot.integration(integration).odometry(motion_noise).camera(observation_noise)).antenna(mounting.position())
-    }
-
-    /// Settings of `fusion`, with what all methods among landmarks are told.
-    pub fn fusion(&self) -> FusionSettings {
-        let RobotSettings {
-            integration,
-            motion_noise,
-            observation_noise,
-            mounting,
-            gate_probability,
-        } = self.landmark;
-        self.fusion.robot(self.fusion.robot.integration(integration).odometry(motion_noise).camera(observation_noise).mounting(mounting).gate_probability(gate_probability))
-    }
-
-    /// Settings of `ekf-slam`, with what all methods among landmarks are told.
-    pub fn slam(&self) -> SlamSettings {
-        let RobotSettings {
-            integration,
-            motion_noise,
-            observation_noise,
-            mounting,
-            gate_probability,
-            ..
-        } = self.landmark;
-        let observation_noise =
-            if self.slam_own_noise { self.slam.observation_noise } else { observation_noise };
-        self.slam.robot(self.slam.robot.integration(integration).odometry(motion_noise).camera(observation_noise).mounting(mounting).gate_probability(gate_probability))
-    }
-
-    /// Settings of `fastslam`, with what all methods among landmarks are told.
-    pub fn fastslam(&self) -> FastSlamSettings {
-        let SlamSettings {
-            integration,
-            motion_noise,
-            observation_noise,
-            mounting,
-            gate_probability,
-            identities,
-            map,
-            ..
-        } = self.slam();
-        self.fastslam.robot(self.fastslam.robot.integration(integration).odometry(motion_noise).camera(observation_noise).mounting(mounting).gate_probability(gate_probability)).identities(identities).map(map)
+/// Puts the values of one table over those of another, key by key.
+///
+/// A choice of one among several (`{ cauchy = 2.385 }`) is a table with a single key; another choice
+/// takes its place.
+fn merge(to: &mut Value, from: Value) {
+    match (to, from) {
+        (Value::Table(to), Value::Table(from)) => {
+            let is_choice = to.len() == 1 && from.len() == 1;
+            if is_choice && from.keys().any(|key| !to.contains_key(key)) {
+                *to = from;
+                return;
+            }
+            for (key, value) in from {
+                match to.get_mut(&key) {
+                    Some(inner) => merge(inner, value),
+                    None => {
+                        to.insert(key, value);
+                    }
+                }
+            }
+        }
+        (to, from) => *to = from,
     }
 }

@@ -226,9 +226,9 @@ pub(super) fn laser(given: &mut NodeParameters, mcl: &mut MclSettings) -> Result
         let found = given.number(key, "metres, or -1", |_| true)?;
         Ok(found.map(|found| found.value).filter(|range| *range > 0.0))
     };
-    mcl.min_range = range("laser_min_range")?.unwrap_or(mcl.min_range);
+    mcl.robot.laser_min_range = range("laser_min_range")?.unwrap_or(mcl.robot.laser_min_range);
     let max_range = range("laser_max_range")?;
-    mcl.max_range = max_range.unwrap_or(mcl.max_range);
+    mcl.robot.laser_max_range = max_range.unwrap_or(mcl.robot.laser_max_range);
 
     let model = given.choice("laser_model_type", &SENSOR_MODELS)?;
     let skip = match model.map(|found| found.value) {

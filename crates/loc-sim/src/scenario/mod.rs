@@ -1,7 +1,8 @@
 //! Scenarios: what is simulated, with which sensors, and which methods run on it.
 //!
 //! A scenario is a TOML file; the built-in ones are files of the same kind, compiled in, so any
-//! of them can be printed, changed and run. Units stand in the names of the keys.
+//! of them can be printed, changed and run. Numbers are in SI units and radians; an angle may also be a
+//! text, `"6 deg"`.
 //!
 //! ```
 //! use loc_sim::scenario::{self, Scenario};
@@ -12,14 +13,11 @@
 //! ```
 
 pub mod builtin;
-mod methods;
 pub mod recording;
+mod sensor;
 
-pub use methods::{
-    FastSlamConfig, FilterConfig, FusionConfig, LandmarkMclConfig, LaterationConfig, SensorConfig,
-    SlamConfig,
-};
-pub use recording::{RecordingConfig, StartConfig};
+pub use recording::RecordingConfig;
+pub use sensor::SensorConfig;
 
 use crate::demonstration::{Demonstration, DemonstrationConfig};
 use crate::localizer::{Method, MethodSettings};
@@ -33,7 +31,7 @@ use crate::source::rail::RailConfig;
 use crate::source::tour::TourConfig;
 use crate::source::{SimulatedDrive, SimulatedOutdoor, SimulatedRail, SimulatedTour, Source};
 use crate::{Error, Result, config, runner};
-use loc_filters::landmark::RobotSettings;
+use loc_filters::RobotSettings;
 use serde::Deserialize;
 use std::path::Path;
 use toml::Table;
@@ -68,8 +66,13 @@ pub struct Scenario {
     pub demonstration: Option<DemonstrationConfig>,
     /// A sensor that measures once, or along a drive; no method runs on it.
     pub sensor: Option<SensorConfig>,
-    /// Settings of the methods; what is left out follows the simulated sensors.
-    pub filter: Option<FilterConfig>,
+    /// Settings of the methods, a part of [`MethodSettings`]; what is left out follows the simulated
+    /// sensors.
+    #[serde(default)]
+    pub filter: Table,
+    /// Number of threads of the methods that can use several, in place of that of `filter`.
+    #[serde(skip)]
+    pub threads: Option<usize>,
     /// Whether the run is to compare the methods: those that can search run a second time without
     /// a start pose, and the table tells what each of them needs.
     #[serde(default)]
@@ -113,13 +116,14 @@ impl Scenario {
     /// [`Error::Config`] with line and key.
     pub fn parse(file: &str, text: &str, changes: &[String]) -> Result<Self> {
         let changes = Scenario::in_full(file, text, changes)?;
+        config::check_filter(file, text, &changes)?;
         let scenario: Scenario = config::parse(file, text, &changes)?;
         scenario.check().map_err(|error| config::error(file, &error.to_string()))?;
         Ok(scenario)
     }
 
     /// Changes with their keys in full: a few settings have short names, and the name of what is
-    /// simulated may be left out (`laser.every_s` for `tour.laser.every_s`).
+    /// simulated may be left out (`laser.every` for `tour.laser.every`).
     ///
     /// # Errors
     /// [`Error::Config`] for text that is no TOML.
@@ -143,7 +147,7 @@ impl Scenario {
         self.method_list()?;
         match self.kind()? {
             Kind::Drive(drive) => drive.check()?,
-            Kind::Rail(_) if self.filter.is_some() => {
+            Kind::Rail(_) if !self.filter.is_empty() => {
                 return Err(config::field("filter", "none for a vehicle on a rail", "one"));
             }
             Kind::Rail(rail) => rail.check()?,
@@ -214,22 +218,28 @@ impl Scenario {
     /// # Errors
     /// Settings out of range.
     pub fn settings(&self) -> Result<MethodSettings> {
-        let sensors = match self.kind()? {
-            Kind::Drive(drive) => drive.settings()?,
-            Kind::Tour(tour) => tour.sights()?,
-            Kind::Outdoor(outdoor) => outdoor.landmark_settings()?,
+        let robot = match self.kind()? {
+            Kind::Drive(drive) => drive.robot()?,
+            Kind::Tour(tour) => tour.robot()?,
+            Kind::Outdoor(outdoor) => outdoor.robot()?,
             _ => RobotSettings::default(),
         };
-        let filter = self.filter.clone().unwrap_or_default();
-        let mut settings = filter.methods(sensors)?;
-        if let Kind::Outdoor(outdoor) = self.kind()? {
-            settings.fusion = outdoor.fusion_settings(&settings.fusion)?;
+        let mut settings = MethodSettings::of(robot);
+        match self.kind()? {
+            Kind::Outdoor(outdoor) => settings.fusion = outdoor.fusion(settings.fusion)?,
+            Kind::Tour(tour) => {
+                let extractor = &mut settings.line_matching.extractor;
+                extractor.noise = tour.laser.scanner()?.spec.noise;
+                // Walls of cells are smooth, and simulated beams go where they should.
+                (extractor.roughness, extractor.angle_sigma) = (0.0, 0.0);
+            }
+            _ => {}
         }
-        if let (Kind::Tour(tour), None) = (self.kind()?, filter.line_matching) {
-            let extractor = &mut settings.line_matching.extractor;
-            extractor.noise = tour.laser.scanner()?.spec.noise;
-            // Walls of cells are smooth, and simulated beams go where they should.
-            (extractor.roughness, extractor.angle_sigma) = (0.0, 0.0);
+        let mut settings = settings.overlaid(&self.filter)?;
+        if let Some(threads) = self.threads {
+            settings.mcl.threads = threads;
+            settings.landmark_mcl.threads = threads;
+            settings.fastslam.threads = threads;
         }
         let rail = self.rail.as_ref().map(RailConfig::settings).unwrap_or_default();
         Ok(MethodSettings { rail, seed: self.seed, also_global: self.compare, ..settings })
@@ -309,15 +319,15 @@ pub(crate) const NAMES: [(&str, &[&str]); 4] = [
             "filter.landmark_mcl.particles",
         ],
     ),
-    ("laser.sigma", &["laser.sigma_m"]),
-    ("camera.range_sigma", &["camera.noise.range_sigma_m"]),
-    ("camera.bearing_sigma", &["camera.noise.bearing_sigma_deg"]),
+    ("laser.sigma", &["laser.sigma"]),
+    ("camera.range_sigma", &["camera.noise.range_sigma"]),
+    ("camera.bearing_sigma", &["camera.noise.bearing_sigma"]),
 ];
 
 /// Expands short names of settings in changes of the command line.
 ///
-/// The section of what is simulated may be left out: `laser.every_s=0.1` stands for
-/// `tour.laser.every_s=0.1` in a scenario with a tour. A few settings have names of their own, see
+/// The section of what is simulated may be left out: `laser.every=0.1` stands for
+/// `tour.laser.every=0.1` in a scenario with a tour. A few settings have names of their own, see
 /// [`NAMES`].
 fn expand(config: &Table, changes: &[String]) -> Vec<String> {
     let kind = KINDS.into_iter().find(|kind| config.contains_key(*kind));

@@ -76,19 +76,20 @@ impl Crowd {
 pub struct PeopleConfig {
     /// Number of walkers in the building.
     pub count: usize,
-    /// Radius of a walker, as the laser sees it.
-    pub radius_m: f64,
-    /// Speed of the walkers.
-    pub speed_m_s: f64,
+    /// Radius of a walker, as the laser sees it \[m\].
+    pub radius: f64,
+    /// Speed of the walkers \[m/s\].
+    pub speed: f64,
     /// Share of the beams that visitors around the robot hide, in \[0, 0.9\].
     pub blocked_share: f64,
     /// Angle that a visitor covers, seen from the laser; adapted so that a whole number of them
-    /// covers the share.
-    pub visitor_deg: f64,
-    /// Distance of the visitors from the laser.
-    pub distance_m: f64,
-    /// Mean time that a visitor stays.
-    pub stay_s: f64,
+    /// covers the share \[rad\].
+    #[serde(with = "loc_core::settings::angle")]
+    pub visitor: f64,
+    /// Distance of the visitors from the laser \[m\].
+    pub distance: f64,
+    /// Mean time that a visitor stays \[s\].
+    pub stay: f64,
 }
 
 impl Default for PeopleConfig {
@@ -96,12 +97,12 @@ impl Default for PeopleConfig {
     fn default() -> Self {
         PeopleConfig {
             count: 0,
-            radius_m: 0.25,
-            speed_m_s: 1.0,
+            radius: 0.25,
+            speed: 1.0,
             blocked_share: 0.0,
-            visitor_deg: 25.0,
-            distance_m: 1.0,
-            stay_s: 4.0,
+            visitor: 25_f64.to_radians(),
+            distance: 1.0,
+            stay: 4.0,
         }
     }
 }
@@ -118,15 +119,15 @@ impl PeopleConfig {
         if self.count > Self::MAX {
             return Err(field("tour.people.count", "at most 10000", &self.count.to_string()));
         }
-        positive("tour.people.radius_m", self.radius_m)?;
-        non_negative("tour.people.speed_m_s", self.speed_m_s)?;
+        positive("tour.people.radius", self.radius)?;
+        non_negative("tour.people.speed", self.speed)?;
         if !(0.0..=0.9).contains(&self.blocked_share) {
             let found = self.blocked_share.to_string();
             return Err(field("tour.people.blocked_share", "a share from 0 to 0.9", &found));
         }
-        positive("tour.people.visitor_deg", self.visitor_deg)?;
-        positive("tour.people.distance_m", self.distance_m)?;
-        positive("tour.people.stay_s", self.stay_s)?;
+        positive("tour.people.visitor", self.visitor)?;
+        positive("tour.people.distance", self.distance)?;
+        positive("tour.people.stay", self.stay)?;
         Ok(())
     }
 }
@@ -147,7 +148,7 @@ struct Walkers {
 impl Walkers {
     /// Walkers at free places, each with a direction.
     fn new(config: &PeopleConfig, world: &TourWorld, rng: &mut ChaCha8Rng) -> Self {
-        let radius = config.radius_m;
+        let radius = config.radius;
         let free = world.grid().centers_of(Occupancy::Free);
         let places: Vec<Point2<f64>> =
             free.filter(|place| world.clearance(place) > radius).collect();
@@ -155,11 +156,11 @@ impl Walkers {
         if !places.is_empty() {
             people.extend((0..config.count).map(|_| MovingObject {
                 position: places[rng.random_range(0..places.len())],
-                velocity: velocity(config.speed_m_s, rng),
+                velocity: velocity(config.speed, rng),
                 radius,
             }));
         }
-        Walkers { speed: config.speed_m_s, people }
+        Walkers { speed: config.speed, people }
     }
 
     /// Moves every walker; one that would run into a wall turns to a free direction.
@@ -233,11 +234,11 @@ impl Visitors {
         let (a, b) = (spec.angle_min, spec.angle_max());
         let view = (a.min(b), a.max(b));
         let covered = config.blocked_share * (view.1 - view.0);
-        let wanted = config.visitor_deg.to_radians();
+        let wanted = config.visitor;
         let count = if covered > 0.0 { (covered / wanted).round().max(1.0) } else { 0.0 };
         // A disc covers less than half a turn.
         let half = (0.5 * covered / count.max(1.0)).min(1.2);
-        let (distance, stay) = (config.distance_m, config.stay_s);
+        let (distance, stay) = (config.distance, config.stay);
         let mounting = scanner.mounting;
         let mut visitors = Visitors { mounting, view, half, distance, stay, people: Vec::new() };
         // At most a full turn over a positive width.

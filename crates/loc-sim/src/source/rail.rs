@@ -33,13 +33,13 @@ impl SimulatedRail {
     pub fn new(name: &str, config: &RailConfig, seed: u64) -> Result<Self> {
         let belief = config.belief()?;
         let mut state = belief.sample(&mut stream(seed, "start"));
-        state.x = config.true_position_m.unwrap_or(state.x);
-        state.y = config.true_speed_m_s.unwrap_or(state.y);
+        state.x = config.true_position.unwrap_or(state.x);
+        state.y = config.true_speed.unwrap_or(state.y);
         let mut rail = SimulatedRail {
             setup: Setup {
                 name: name.into(),
                 start: 0.0,
-                end: config.steps as f64 * config.time_step_s,
+                end: config.steps as f64 * config.time_step,
                 start_belief: along_the_rail(&belief),
                 rail: Some(belief),
                 landmarks: Default::default(),
@@ -60,10 +60,10 @@ impl SimulatedRail {
     }
 
     fn drive(&mut self) {
-        let dt = self.config.time_step_s;
+        let dt = self.config.time_step;
         let noise: f64 = StandardNormal.sample(&mut self.world);
         let acceleration =
-            self.config.acceleration_m_s2 + self.config.acceleration_sigma_m_s2 * noise;
+            self.config.acceleration + self.config.acceleration_sigma * noise;
         self.state =
             Matrix2::new(1.0, dt, 0.0, 1.0) * self.state + Vector2::new(0.0, dt * acceleration);
         self.step += 1;
@@ -72,12 +72,12 @@ impl SimulatedRail {
 
     /// The next control, the measurements, and the truth.
     fn report(&mut self) {
-        let stamp = self.step as f64 * self.config.time_step_s;
-        let control = Control::Acceleration(self.config.acceleration_m_s2);
+        let stamp = self.step as f64 * self.config.time_step;
+        let control = Control::Acceleration(self.config.acceleration);
         self.waiting.push_back(Event::now(stamp, Payload::Control(control)));
         for (sensor, config) in self.config.sensors.iter().enumerate() {
             let noise: f64 = StandardNormal.sample(&mut self.sensors);
-            let simulated = self.state.x + config.sigma_m * noise;
+            let simulated = self.state.x + config.sigma * noise;
             let position = match &config.readings {
                 // The initial distribution is the belief before the first step.
                 None => (self.step > 0).then_some(simulated),
@@ -118,32 +118,32 @@ fn along_the_rail(belief: &Gaussian<2>) -> Gaussian<3> {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RailConfig {
-    /// Duration of a step, T.
-    pub time_step_s: f64,
+    /// Duration of a step, T \[s\].
+    pub time_step: f64,
     /// Number of steps.
     pub steps: usize,
-    /// Commanded acceleration, u.
+    /// Commanded acceleration, u \[m/s^2\].
     #[serde(default)]
-    pub acceleration_m_s2: f64,
-    /// Standard deviation of the acceleration about the command.
+    pub acceleration: f64,
+    /// Standard deviation of the acceleration about the command \[m/s^2\].
     #[serde(default)]
-    pub acceleration_sigma_m_s2: f64,
-    /// Believed position at the start.
+    pub acceleration_sigma: f64,
+    /// Believed position at the start \[m\].
     #[serde(default)]
-    pub position_m: f64,
-    /// Its standard deviation.
+    pub position: f64,
+    /// Its standard deviation \[m\].
     #[serde(default)]
-    pub position_sigma_m: f64,
-    /// Believed speed at the start.
+    pub position_sigma: f64,
+    /// Believed speed at the start \[m/s\].
     #[serde(default)]
-    pub speed_m_s: f64,
-    /// Its standard deviation.
+    pub speed: f64,
+    /// Its standard deviation \[m/s\].
     #[serde(default)]
-    pub speed_sigma_m_s: f64,
-    /// True position at the start; drawn from the belief where left out.
-    pub true_position_m: Option<f64>,
-    /// True speed at the start; drawn from the belief where left out.
-    pub true_speed_m_s: Option<f64>,
+    pub speed_sigma: f64,
+    /// True position at the start; drawn from the belief where left out \[m\].
+    pub true_position: Option<f64>,
+    /// True speed at the start; drawn from the belief where left out \[m/s\].
+    pub true_speed: Option<f64>,
     /// The position sensors.
     pub sensors: Vec<RailSensorConfig>,
 }
@@ -152,8 +152,8 @@ pub struct RailConfig {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RailSensorConfig {
-    /// Standard deviation of its readings.
-    pub sigma_m: f64,
+    /// Standard deviation of its readings \[m\].
+    pub sigma: f64,
     /// Its readings, as pairs of step and position \[m\]; simulated at every step where left out.
     pub readings: Option<Vec<(usize, f64)>>,
 }
@@ -164,19 +164,19 @@ impl RailConfig {
     /// # Errors
     /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
     pub(crate) fn check(&self) -> Result<()> {
-        positive("rail.time_step_s", self.time_step_s)?;
+        positive("rail.time_step", self.time_step)?;
         if self.steps == 0 || self.steps > 100_000_000 {
             return Err(field("rail.steps", "1 to 100000000", &self.steps.to_string()));
         }
-        finite("rail.acceleration_m_s2", self.acceleration_m_s2)?;
-        non_negative("rail.acceleration_sigma_m_s2", self.acceleration_sigma_m_s2)?;
-        non_negative("rail.position_sigma_m", self.position_sigma_m)?;
-        non_negative("rail.speed_sigma_m_s", self.speed_sigma_m_s)?;
-        for value in [self.true_position_m, self.true_speed_m_s].into_iter().flatten() {
-            finite("rail.true_position_m, rail.true_speed_m_s", value)?;
+        finite("rail.acceleration", self.acceleration)?;
+        non_negative("rail.acceleration_sigma", self.acceleration_sigma)?;
+        non_negative("rail.position_sigma", self.position_sigma)?;
+        non_negative("rail.speed_sigma", self.speed_sigma)?;
+        for value in [self.true_position, self.true_speed].into_iter().flatten() {
+            finite("rail.true_position, rail.true_speed", value)?;
         }
         for sensor in &self.sensors {
-            positive("rail.sensors.sigma_m", sensor.sigma_m)?;
+            positive("rail.sensors.sigma", sensor.sigma)?;
             for (step, position) in sensor.readings.iter().flatten() {
                 finite("rail.sensors.readings: position [m]", *position)?;
                 if *step > self.steps {
@@ -194,16 +194,16 @@ impl RailConfig {
     /// # Errors
     /// [`loc_core::Error`] for numbers that are not finite.
     pub(crate) fn belief(&self) -> Result<Gaussian<2>> {
-        let variances = Vector2::new(self.position_sigma_m.powi(2), self.speed_sigma_m_s.powi(2));
-        let mean = Vector2::new(self.position_m, self.speed_m_s);
+        let variances = Vector2::new(self.position_sigma.powi(2), self.speed_sigma.powi(2));
+        let mean = Vector2::new(self.position, self.speed);
         Ok(Gaussian::new(mean, Matrix2::from_diagonal(&variances))?)
     }
 
     /// The settings of the filter.
     pub(crate) fn settings(&self) -> RailSettings {
         RailSettings {
-            acceleration_sigma: self.acceleration_sigma_m_s2,
-            sensor_sigmas: self.sensors.iter().map(|sensor| sensor.sigma_m).collect(),
+            acceleration_sigma: self.acceleration_sigma,
+            sensor_sigmas: self.sensors.iter().map(|sensor| sensor.sigma).collect(),
         }
     }
 }

@@ -210,7 +210,7 @@ impl Study {
     fn one(&self, job: Job) -> Result<RunOutcome> {
         let mut scenario = self.source.scenario(&self.grid.changes(job.cell))?;
         if self.smooth {
-            scenario.filter.get_or_insert_default().smooth = true;
+            scenario.filter.insert("smooth".into(), true.into());
         }
         let run = scenario.run(Some(job.seed), Some(&self.methods), &mut |_| {});
         match run.and_then(|run| RunOutcome::of(job, &run, self.align)) {

@@ -37,7 +37,6 @@ use crate::{Particles, Poses, Result, Workers, log_weights};
 use blocks::{Cell, Modes, NOWHERE, Valley};
 use cells::{Cells, Raster};
 use loc_core::Gaussian;
-use loc_core::error::{in_range, positive, probability};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::TAU;
 

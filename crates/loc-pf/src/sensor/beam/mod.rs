@@ -42,7 +42,6 @@ pub(crate) use likelihood::{informative_beams_from, reading, thinned};
 
 use crate::Result;
 use loc_core::Normal;
-use loc_core::error::{in_range, non_negative, positive};
 use std::f64::consts::TAU;
 
 loc_core::settings! {

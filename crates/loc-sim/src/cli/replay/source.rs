@@ -3,7 +3,7 @@
 use super::{Format, Replay, ReplayArgs, SEED, refuse};
 use crate::localizer::{Method, MethodSettings};
 use crate::nav2::AmclParameters;
-use crate::scenario::{RecordingConfig, StartConfig, recording};
+use crate::scenario::{RecordingConfig, recording};
 use crate::source::carmen::CarmenLog;
 use crate::source::landmarks::Trees;
 use crate::source::laser_log::{Reference, ReplayOptions, Scans, Start};
@@ -16,6 +16,7 @@ use anyhow::bail;
 use loc_core::Pose2;
 use loc_core::error::finite;
 use loc_core::motion::VelocityNoise;
+use loc_filters::RobotSettings;
 use loc_filters::slam::Identities;
 use loc_maps::LineMap;
 use loc_maps::grid::io;
@@ -93,8 +94,8 @@ fn configuration(args: &ReplayArgs) -> Result<Configuration> {
         Some(file) => RecordingConfig::read(file, changes)?,
         None => RecordingConfig::parse("settings for lasers", recording::LASER, changes)?,
     };
-    let start_sigmas = config.start.sigmas()?;
-    let settings = MethodSettings { seed: SEED, ..config.settings()? };
+    let start_sigmas = config.start_sigma.sigmas()?;
+    let settings = MethodSettings { seed: SEED, ..config.settings(RobotSettings::default())? };
     let options = ReplayOptions { start_sigmas, ..ReplayOptions::default() };
     Ok(Configuration { settings, options, names: RosNames::default(), without_bag: Vec::new() })
 }
@@ -105,18 +106,9 @@ fn parameters(file: &Path, changes: &[String]) -> Result<Configuration> {
     for warning in &given.warnings {
         eprintln!("warning: {warning}");
     }
-    let below = |prefix: &str| -> Vec<String> {
-        changes.iter().filter_map(|c| c.strip_prefix(prefix)).map(str::to_owned).collect()
-    };
-    let (of_mcl, of_start) = (below("filter.mcl."), below("start."));
-    if of_mcl.len() + of_start.len() < changes.len() {
-        let expected = "keys below filter.mcl or start beside a parameter file";
-        return Err(config::field("--set", expected, &changes.join(" ")));
-    }
     let name = file.display().to_string();
-    let mcl = config::changed(&name, given.mcl, &of_mcl)?;
-    mcl.check()?;
-    let sigmas = config::changed(&name, StartConfig::default(), &of_start)?.sigmas()?;
+    let config = RecordingConfig::parse(&name, "", changes)?;
+    let sigmas = config.start_sigma.sigmas()?;
     let [x, y, yaw] = given.start_sigmas;
     let options = ReplayOptions {
         start: given.start.map_or(Start::Reference, Start::At),
@@ -124,7 +116,8 @@ fn parameters(file: &Path, changes: &[String]) -> Result<Configuration> {
         ..ReplayOptions::default()
     };
     let seed = given.seed.unwrap_or(SEED);
-    let settings = MethodSettings { mcl, seed, ..MethodSettings::default() };
+    let own = MethodSettings { mcl: given.mcl, seed, ..MethodSettings::default() };
+    let settings = own.overlaid(&config.filter)?;
     let AmclParameters { names, without_bag, .. } = given;
     Ok(Configuration { settings, options, names, without_bag })
 }
@@ -160,15 +153,16 @@ pub(super) fn landmarks(args: &ReplayArgs, log: &Path, format: Format) -> anyhow
     let config = match &args.config {
         Some(file) => RecordingConfig::read(file, changes)?,
         None => match parse(landmark_defaults(format))? {
-            config if format == Format::VictoriaPark && without_numbers(&config) => {
+            config if format == Format::VictoriaPark && without_numbers(&config)? => {
                 parse(recording::VICTORIA_PARK_DETECTIONS)?
             }
             config => config,
         },
     };
-    let mut settings = MethodSettings { seed: SEED, ..config.settings()? };
-    let source = open_landmarks(log, format, settings.slam.identities, config.start.sigmas()?)?;
-    settings.landmark.mounting = source.mounting();
+    let identities = config.settings(RobotSettings::default())?.slam.identities;
+    let source = open_landmarks(log, format, identities, config.start_sigma.sigmas()?)?;
+    let robot = RobotSettings::default().mounting(source.mounting());
+    let settings = MethodSettings { seed: SEED, ..config.settings(robot)? };
     Ok(Replay {
         source: Box::new(source),
         settings,
@@ -176,8 +170,9 @@ pub(super) fn landmarks(args: &ReplayArgs, log: &Path, format: Format) -> anyhow
     })
 }
 
-fn without_numbers(config: &RecordingConfig) -> bool {
-    config.filter.slam.identities == Identities::Unknown
+fn without_numbers(config: &RecordingConfig) -> Result<bool> {
+    let settings = config.settings(RobotSettings::default())?;
+    Ok(settings.slam.identities == Identities::Unknown)
 }
 
 /// The settings that suit a format.
@@ -223,16 +218,14 @@ pub(super) fn ranging(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
     };
     let pose =
         args.initial_pose.as_deref().map(|text| parse_pose("--initial-pose", text)).transpose()?;
-    let start = RangingStart { pose, sigmas: config.start.sigmas()? };
+    let start = RangingStart { pose, sigmas: config.start_sigma.sigmas()? };
     let source = match format {
         Format::Plaza => RangeRecording::plaza(log, args.robot, &start)?,
         _ => RangeRecording::labyrinth(log, &start)?,
     };
-    let mut settings = MethodSettings { seed: SEED, ..config.settings()? };
-    if config.filter.camera.is_none() {
-        settings.landmark.observation_noise = source.noise();
-    }
-    let odometry = (!args.global_start && !config.filter.global).then_some(Method::DeadReckoning);
+    let robot = RobotSettings::default().camera(source.noise());
+    let settings = MethodSettings { seed: SEED, ..config.settings(robot)? };
+    let odometry = (!args.global_start && !settings.global).then_some(Method::DeadReckoning);
     Ok(Replay {
         source: Box::new(source),
         settings,
@@ -258,10 +251,10 @@ pub(super) fn mrclam(args: &ReplayArgs, log: &Path) -> anyhow::Result<Replay> {
     };
     let source = Mrclam::open(log, args.robot)?;
     let source =
-        Calibrated::new(source, config.odometry_calibration(), config.camera_calibration())?;
+        Calibrated::new(source, config.odometry, config.camera)?;
     Ok(Replay {
         source: Box::new(source),
-        settings: MethodSettings { seed: SEED, ..config.settings()? },
+        settings: MethodSettings { seed: SEED, ..config.settings(RobotSettings::default())? },
         methods: vec![Method::DeadReckoning, Method::Ekf],
     })
 }

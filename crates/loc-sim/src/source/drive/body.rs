@@ -3,7 +3,6 @@
 use super::{DriveConfig, Segment};
 use crate::Result;
 use crate::config::field;
-use crate::source::OdometryNoiseConfig;
 use loc_core::Twist2;
 use loc_core::kinematics::{Ackermann, Differential, Mecanum, MecanumWheels};
 use loc_core::motion::VelocityNoise;
@@ -14,13 +13,13 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
 /// A differential drive and what its odometry gets wrong.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WheelConfig {
-    /// Distance between the wheels.
-    pub track_m: f64,
+    /// Distance between the wheels \[m\].
+    pub track: f64,
     /// Random errors.
-    pub noise: Option<OdometryNoiseConfig>,
+    pub noise: Option<VelocityNoise>,
     /// Systematic errors.
     #[serde(default)]
     pub faults: WheelFaults,
@@ -31,7 +30,7 @@ pub struct WheelConfig {
 #[serde(deny_unknown_fields)]
 pub struct LegConfig {
     /// Random errors.
-    pub noise: OdometryNoiseConfig,
+    pub noise: VelocityNoise,
 }
 
 /// The odometry of a robot.
@@ -76,15 +75,15 @@ impl<'a> Body<'a> {
 
     /// The velocity from the motion of the wheels, where the segment gives that.
     pub(super) fn by_wheels(self, segment: &Segment) -> Result<Option<Twist2>> {
-        let Segment { v_m_s, steering_deg, left_m_s, right_m_s, wheels_m_s, .. } = *segment;
-        Ok(match (self, left_m_s, right_m_s, steering_deg, wheels_m_s) {
-            (Body::Wheels(wheels), Some(left), Some(right), None, None) if v_m_s.is_none() => {
-                Some(Differential::new(wheels.track_m)?.twist(left, right))
+        let Segment { v, steering, left, right, wheels, .. } = *segment;
+        Ok(match (self, left, right, steering, wheels) {
+            (Body::Wheels(wheels), Some(left), Some(right), None, None) if v.is_none() => {
+                Some(Differential::new(wheels.track)?.twist(left, right))
             }
             (Body::Ackermann(car), None, None, Some(steering), None) => {
-                Some(car.kinematics()?.twist(v_m_s.unwrap_or(0.0), steering.to_radians()))
+                Some(car.kinematics()?.twist(v.unwrap_or(0.0), steering))
             }
-            (Body::Mecanum(drive), None, None, None, Some(speeds)) if v_m_s.is_none() => {
+            (Body::Mecanum(drive), None, None, None, Some(speeds)) if v.is_none() => {
                 Some(drive.twist(speeds)?)
             }
             _ => None,
@@ -94,10 +93,10 @@ impl<'a> Body<'a> {
     /// The keys by which a segment may be given, for errors.
     pub(super) fn segment_keys(self) -> &'static str {
         match self {
-            Body::Wheels(_) => "v_m_s with omega_deg_s, or left_m_s with right_m_s",
-            Body::Legs(_) => "v_m_s, sideways_m_s and omega_deg_s",
-            Body::Ackermann(_) => "v_m_s with steering_deg, or v_m_s with omega_deg_s",
-            Body::Mecanum(_) => "v_m_s, sideways_m_s and omega_deg_s, or four wheels_m_s",
+            Body::Wheels(_) => "v with omega, or left with right",
+            Body::Legs(_) => "v, sideways and omega",
+            Body::Ackermann(_) => "v with steering, or v with omega",
+            Body::Mecanum(_) => "v, sideways and omega, or four wheels",
         }
     }
 
@@ -123,9 +122,9 @@ impl<'a> Body<'a> {
             Body::Wheels(WheelConfig { noise, .. })
             | Body::Ackermann(AckermannConfig { noise, .. })
             | Body::Mecanum(MecanumConfig { noise, .. }) => {
-                noise.map_or(Ok(VelocityNoise::NONE), |noise| noise.noise())
+                Ok(noise.unwrap_or(VelocityNoise::NONE))
             }
-            Body::Legs(legs) => legs.noise.noise(),
+            Body::Legs(legs) => Ok(legs.noise),
         }
     }
 
@@ -133,7 +132,7 @@ impl<'a> Body<'a> {
         let noise = self.noise()?;
         Ok(match self {
             Body::Wheels(wheels) => {
-                let odometry = WheelOdometry::new(wheels.track_m)?.with_noise(noise);
+                let odometry = WheelOdometry::new(wheels.track)?.with_noise(noise);
                 BodyOdometry::Wheels(odometry.with_faults(wheels.faults)?)
             }
             Body::Ackermann(car) => BodyOdometry::Ackermann(car.odometry(noise)?),
@@ -181,18 +180,18 @@ fn disturbed<R: Rng + ?Sized>(
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AckermannConfig {
-    /// From the rear axle, where its pose is, to the front axle.
-    pub wheelbase_m: f64,
+    /// From the rear axle, where its pose is, to the front axle \[m\].
+    pub wheelbase: f64,
     /// Counts of the steering's encoder in a full turn of the wheels' angle.
     pub steering_counts: u32,
     /// Random errors of speed and turn rate.
-    pub noise: Option<OdometryNoiseConfig>,
+    pub noise: Option<VelocityNoise>,
 }
 
 impl AckermannConfig {
     /// The library's form.
     fn kinematics(&self) -> Result<Ackermann> {
-        Ok(Ackermann::new(self.wheelbase_m)?)
+        Ok(Ackermann::new(self.wheelbase)?)
     }
 
     fn odometry(&self, noise: VelocityNoise) -> Result<AckermannOdometry> {
@@ -223,12 +222,12 @@ impl AckermannOdometry {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MecanumConfig {
-    /// Between front and rear axle.
-    pub wheelbase_m: f64,
-    /// Between left and right wheels.
-    pub track_m: f64,
+    /// Between front and rear axle \[m\].
+    pub wheelbase: f64,
+    /// Between left and right wheels \[m\].
+    pub track: f64,
     /// Random errors.
-    pub noise: Option<OdometryNoiseConfig>,
+    pub noise: Option<VelocityNoise>,
 }
 
 impl MecanumConfig {
@@ -236,6 +235,6 @@ impl MecanumConfig {
     fn twist(&self, speeds: [f64; 4]) -> Result<Twist2> {
         let [front_left, front_right, rear_left, rear_right] = speeds;
         let wheels = MecanumWheels { front_left, front_right, rear_left, rear_right };
-        Ok(Mecanum::new(self.wheelbase_m, self.track_m)?.twist(wheels))
+        Ok(Mecanum::new(self.wheelbase, self.track)?.twist(wheels))
     }
 }

@@ -5,7 +5,7 @@ mod body;
 pub use body::{AckermannConfig, LegConfig, MecanumConfig, WheelConfig};
 
 use super::tour::WorldConfig;
-use super::{ArrivalQueue, ObservationNoiseConfig, Setup, Source};
+use super::{ArrivalQueue, Setup, Source, StartSigma};
 use crate::Result;
 use crate::config::field;
 use body::{Body, BodyOdometry};
@@ -14,10 +14,10 @@ use loc_core::gaussian::pose_belief;
 use loc_core::motion::Integration;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
-use loc_filters::landmark::RobotSettings;
+use loc_filters::RobotSettings;
 use loc_maps::{Landmark, LandmarkMap, OccupancyGrid, worlds};
 use loc_sensors::event::{Control, Event, Measurement, Payload, Truth};
-use loc_sensors::landmark_camera::{LandmarkCamera, ObservedKind};
+use loc_sensors::landmark_camera::{LandmarkCamera, LandmarkNoise, ObservedKind};
 use serde::Deserialize;
 use std::sync::Arc;
 
@@ -53,17 +53,17 @@ impl SimulatedDrive {
     pub fn new(name: &str, config: &DriveConfig, seed: u64) -> Result<Self> {
         let mut course = Vec::new();
         for segment in &config.course {
-            let steps = config.steps("drive.course.duration_s", segment.duration_s)?;
+            let steps = config.steps("drive.course.duration", segment.duration)?;
             course.extend(std::iter::repeat_n(config.twist(segment)?, steps));
         }
-        let pose = config.start.pose();
-        let mut start_belief = pose_belief(pose, config.start.sigmas()?);
+        let pose = config.start;
+        let mut start_belief = pose_belief(pose, config.start_sigma.sigmas()?);
         start_belief.mean = start_belief.sample(&mut stream(seed, "start"));
         let (landmarks, floor) = config.map()?;
         let setup = Setup {
             name: name.into(),
             start: 0.0,
-            end: course.len() as f64 * config.time_step_s,
+            end: course.len() as f64 * config.time_step,
             start_belief,
             rail: None,
             landmarks: Arc::new(landmarks),
@@ -76,8 +76,8 @@ impl SimulatedDrive {
             None => None,
             Some(camera) => Some(Camera {
                 camera: camera.camera()?,
-                every: config.steps("drive.camera.every_s", camera.every_s)?,
-                latency: camera.latency_s,
+                every: config.steps("drive.camera.every", camera.every)?,
+                latency: camera.latency,
                 rng: stream(seed, "camera"),
             }),
         };
@@ -85,7 +85,7 @@ impl SimulatedDrive {
             setup,
             course,
             step: 0,
-            dt: config.time_step_s,
+            dt: config.time_step,
             pose,
             odometry: config.body()?.odometry()?,
             odometry_rng: stream(seed, "odometry"),
@@ -157,11 +157,14 @@ impl Source for SimulatedDrive {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriveConfig {
-    /// Time between two readings of the odometry.
-    pub time_step_s: f64,
+    /// Time between two readings of the odometry \[s\].
+    pub time_step: f64,
     /// The start.
+    #[serde(default, with = "loc_core::settings::pose")]
+    pub start: Pose2,
+    /// How well the start is known.
     #[serde(default)]
-    pub start: StartConfig,
+    pub start_sigma: StartSigma,
     /// The course, piece by piece.
     pub course: Vec<Segment>,
     /// The wheels of a differential drive and their odometry. One of this and the following.
@@ -181,70 +184,51 @@ pub struct DriveConfig {
     pub landmarks: Vec<LandmarkConfig>,
 }
 
-/// Where a robot starts, and how well that is known.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct StartConfig {
-    /// Position.
-    pub x_m: f64,
-    /// Position.
-    pub y_m: f64,
-    /// Heading, counter-clockwise.
-    pub heading_deg: f64,
-    /// Standard deviation of x and of y; the filters start at a pose drawn from it.
-    pub position_sigma_m: f64,
-    /// Standard deviation of the heading.
-    pub heading_sigma_deg: f64,
-}
-
-/// A piece of the course at constant velocity: either `v_m_s`, `sideways_m_s` and `omega_deg_s`, or
+/// A piece of the course at constant velocity: either `v`, `sideways` and `omega`, or
 /// what the wheels do.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
-    /// How long it lasts; a multiple of the time step.
-    pub duration_s: f64,
-    /// Forward speed.
-    pub v_m_s: Option<f64>,
-    /// Speed to the left, of a robot on legs or on Mecanum wheels.
-    pub sideways_m_s: Option<f64>,
-    /// Turn rate, counter-clockwise.
-    pub omega_deg_s: Option<f64>,
-    /// Speed of the left wheel.
-    pub left_m_s: Option<f64>,
-    /// Speed of the right wheel.
-    pub right_m_s: Option<f64>,
-    /// Steering angle of a car, counter-clockwise.
-    pub steering_deg: Option<f64>,
-    /// Rim speeds of Mecanum wheels: front left and right, rear left and right.
-    pub wheels_m_s: Option<[f64; 4]>,
+    /// How long it lasts; a multiple of the time step \[s\].
+    pub duration: f64,
+    /// Forward speed \[m/s\].
+    pub v: Option<f64>,
+    /// Speed to the left, of a robot on legs or on Mecanum wheels \[m/s\].
+    pub sideways: Option<f64>,
+    /// Turn rate, counter-clockwise \[rad/s\].
+    #[serde(default, with = "loc_core::settings::angle_per_s")]
+    pub omega: Option<f64>,
+    /// Speed of the left wheel \[m/s\].
+    pub left: Option<f64>,
+    /// Speed of the right wheel \[m/s\].
+    pub right: Option<f64>,
+    /// Steering angle of a car, counter-clockwise \[rad\].
+    #[serde(default, with = "loc_core::settings::angle")]
+    pub steering: Option<f64>,
+    /// Rim speeds of Mecanum wheels: front left and right, rear left and right \[m/s\].
+    pub wheels: Option<[f64; 4]>,
 }
 
 /// A camera that sees landmarks.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraConfig {
-    /// Time between two images; a multiple of the time step.
-    pub every_s: f64,
-    /// Time from an image to its result.
+    /// Time between two images; a multiple of the time step \[s\].
+    pub every: f64,
+    /// Time from an image to its result \[s\].
     #[serde(default)]
-    pub latency_s: f64,
-    /// Where it sits on the robot: forward.
+    pub latency: f64,
+    /// Its pose on the robot, `base_from_camera`.
+    #[serde(default, with = "loc_core::settings::pose")]
+    pub mounting: Pose2,
+    /// Opening angle \[rad\].
+    #[serde(with = "loc_core::settings::angle")]
+    pub fov: f64,
+    /// Nearest distance \[m\].
     #[serde(default)]
-    pub forward_m: f64,
-    /// Where it sits on the robot: to the left.
-    #[serde(default)]
-    pub left_m: f64,
-    /// How it is turned, counter-clockwise.
-    #[serde(default)]
-    pub yaw_deg: f64,
-    /// Opening angle.
-    pub fov_deg: f64,
-    /// Nearest distance.
-    #[serde(default)]
-    pub min_range_m: f64,
-    /// Farthest distance.
-    pub max_range_m: f64,
+    pub min_range: f64,
+    /// Farthest distance \[m\].
+    pub max_range: f64,
     /// `range-bearing`, `range` or `bearing`.
     #[serde(default)]
     pub kind: ObservedKind,
@@ -255,7 +239,7 @@ pub struct CameraConfig {
     #[serde(default)]
     pub wrong_identity_probability: f64,
     /// Random errors.
-    pub noise: ObservationNoiseConfig,
+    pub noise: LandmarkNoise,
 }
 
 /// A landmark of the world.
@@ -264,10 +248,10 @@ pub struct CameraConfig {
 pub struct LandmarkConfig {
     /// Its number.
     pub id: u32,
-    /// Its position.
-    pub x_m: f64,
-    /// Its position.
-    pub y_m: f64,
+    /// Its position \[m\].
+    pub x: f64,
+    /// Its position \[m\].
+    pub y: f64,
 }
 
 fn one() -> f64 {
@@ -280,23 +264,21 @@ impl DriveConfig {
     /// # Errors
     /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.
     pub(crate) fn check(&self) -> Result<()> {
-        positive("drive.time_step_s", self.time_step_s)?;
+        positive("drive.time_step", self.time_step)?;
         if self.course.is_empty() {
             return Err(field("drive.course", "at least one segment", ""));
         }
         for segment in &self.course {
-            self.steps("drive.course.duration_s", segment.duration_s)?;
+            self.steps("drive.course.duration", segment.duration)?;
             self.twist(segment)?;
         }
         if let Some(camera) = &self.camera {
-            self.steps("drive.camera.every_s", camera.every_s)?;
-            non_negative("drive.camera.latency_s", camera.latency_s)?;
+            self.steps("drive.camera.every", camera.every)?;
+            non_negative("drive.camera.latency", camera.latency)?;
             camera.camera()?;
         }
-        for value in [self.start.x_m, self.start.y_m, self.start.heading_deg] {
-            finite("drive.start", value)?;
-        }
-        self.start.sigmas()?;
+        self.start.check()?;
+        self.start_sigma.sigmas()?;
         self.body()?.odometry()?;
         self.map()?;
         Ok(())
@@ -308,10 +290,10 @@ impl DriveConfig {
     /// [`crate::Error::Config`] for one that is no positive multiple of the time step.
     pub(crate) fn steps(&self, key: &'static str, duration: f64) -> Result<usize> {
         positive(key, duration)?;
-        let steps = duration / self.time_step_s;
+        let steps = duration / self.time_step;
         let whole = steps.round();
         if whole < 1.0 || (steps - whole).abs() > 1e-6 * whole || whole > 1e8 {
-            let expected = format!("a multiple of the time step {} s", self.time_step_s);
+            let expected = format!("a multiple of the time step {} s", self.time_step);
             return Err(field(key, &expected, &duration.to_string()));
         }
         // Checked to be a whole number between 1 and 1e8.
@@ -324,20 +306,20 @@ impl DriveConfig {
     /// [`crate::Error::Config`] unless it is given in exactly one of the two ways.
     pub(crate) fn twist(&self, segment: &Segment) -> Result<Twist2> {
         let body = self.body()?;
-        let Segment { v_m_s, sideways_m_s, omega_deg_s, .. } = *segment;
-        let by_body = v_m_s.is_some() || sideways_m_s.is_some();
-        let turns = omega_deg_s.is_some();
+        let Segment { v, sideways, omega, .. } = *segment;
+        let by_body = v.is_some() || sideways.is_some();
+        let turns = omega.is_some();
         let from_wheels = if turns { None } else { body.by_wheels(segment)? };
-        let names_wheels = segment.left_m_s.is_some()
-            || segment.right_m_s.is_some()
-            || segment.steering_deg.is_some()
-            || segment.wheels_m_s.is_some();
-        let sidesteps = sideways_m_s.is_some() && !body.can_sidestep();
+        let names_wheels = segment.left.is_some()
+            || segment.right.is_some()
+            || segment.steering.is_some()
+            || segment.wheels.is_some();
+        let sidesteps = sideways.is_some() && !body.can_sidestep();
         let twist = match from_wheels {
-            Some(twist) if sideways_m_s.is_none() => twist,
+            Some(twist) if sideways.is_none() => twist,
             None if by_body && !names_wheels && !sidesteps => {
-                let omega = omega_deg_s.unwrap_or(0.0).to_radians();
-                Twist2::new(v_m_s.unwrap_or(0.0), sideways_m_s.unwrap_or(0.0), omega)
+                let omega = omega.unwrap_or(0.0);
+                Twist2::new(v.unwrap_or(0.0), sideways.unwrap_or(0.0), omega)
             }
             _ => return Err(field("drive.course", body.segment_keys(), &format!("{segment:?}"))),
         };
@@ -362,7 +344,7 @@ impl DriveConfig {
     /// [`loc_maps::Error`] for a number that occurs twice, [`crate::Error::Config`] for landmarks
     /// beside those of a world.
     pub(crate) fn map(&self) -> Result<(LandmarkMap, Option<OccupancyGrid>)> {
-        let planar = |l: &LandmarkConfig| Landmark::planar(l.id, l.x_m, l.y_m);
+        let planar = |l: &LandmarkConfig| Landmark::planar(l.id, l.x, l.y);
         let Some(world) = &self.world else {
             return Ok((LandmarkMap::new(self.landmarks.iter().map(planar))?, None));
         };
@@ -377,7 +359,7 @@ impl DriveConfig {
     ///
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
-    pub(crate) fn settings(&self) -> Result<RobotSettings> {
+    pub(crate) fn robot(&self) -> Result<RobotSettings> {
         let mut settings =
             RobotSettings::default().odometry(self.body()?.noise()?);
         if let Some(camera) = &self.camera {
@@ -395,33 +377,16 @@ impl CameraConfig {
     /// [`loc_core::Error::OutOfRange`].
     pub(crate) fn camera(&self) -> Result<LandmarkCamera> {
         let camera = LandmarkCamera {
-            mounting: Pose2::new(self.forward_m, self.left_m, self.yaw_deg.to_radians()),
-            fov: self.fov_deg.to_radians(),
-            min_range: self.min_range_m,
-            max_range: self.max_range_m,
+            mounting: self.mounting,
+            fov: self.fov,
+            min_range: self.min_range,
+            max_range: self.max_range,
             kind: self.kind,
             detection_probability: self.detection_probability,
             wrong_identity_probability: self.wrong_identity_probability,
-            noise: self.noise.noise()?,
+            noise: self.noise,
         };
         camera.check()?;
         Ok(camera)
-    }
-}
-
-impl StartConfig {
-    /// The true start pose.
-    pub fn pose(&self) -> Pose2 {
-        Pose2::new(self.x_m, self.y_m, self.heading_deg.to_radians())
-    }
-
-    /// Standard deviations of (x, y, heading) \[m, m, rad\].
-    ///
-    /// # Errors
-    /// [`loc_core::Error::OutOfRange`] for negative ones.
-    pub fn sigmas(&self) -> Result<[f64; 3]> {
-        let position = non_negative("position_sigma_m", self.position_sigma_m)?;
-        let heading = non_negative("heading_sigma_deg", self.heading_sigma_deg)?;
-        Ok([position, position, heading.to_radians()])
     }
 }

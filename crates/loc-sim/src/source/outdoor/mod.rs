@@ -48,12 +48,12 @@ impl SimulatedOutdoor {
     pub fn new(name: &str, config: &OutdoorConfig, seed: u64) -> Result<Self> {
         let mut course = Vec::new();
         for piece in &config.course {
-            let steps = config.steps("outdoor.course.duration_s", piece.duration_s)?;
+            let steps = config.steps("outdoor.course.duration", piece.duration)?;
             course.extend(std::iter::repeat_n(piece.twist(), steps));
         }
-        let dt = config.time_step_s;
-        let pose = config.start.pose();
-        let mut start_belief = pose_belief(pose, config.start.sigmas()?);
+        let dt = config.time_step;
+        let pose = config.start;
+        let mut start_belief = pose_belief(pose, config.start_sigma.sigmas()?);
         start_belief.mean = start_belief.sample(&mut stream(seed, "start"));
         let setup = Setup {
             name: name.into(),
@@ -68,11 +68,11 @@ impl SimulatedOutdoor {
             kidnapped_at: None,
         };
         let silence = |(sensor, [from, to]): (_, [f64; 2])| Silence { sensor, from, to };
-        let turn = config.turn_acceleration_deg_s2.to_radians();
+        let turn = config.turn_acceleration;
         let mut robot = SimulatedOutdoor {
             setup,
             course,
-            most: Twist2::forward(config.acceleration_m_s2 * dt, turn * dt),
+            most: Twist2::forward(config.acceleration * dt, turn * dt),
             moment: Moment { step: 0, dt, pose, twist: Twist2::ZERO, change: Twist2::ZERO },
             sensors: Sensors::new(config, seed)?,
             silences: config.silences().into_iter().map(silence).collect(),
@@ -223,36 +223,36 @@ impl Sensors {
     fn new(config: &OutdoorConfig, seed: u64) -> Result<Self> {
         let rng = |name| stream(seed, name);
         let wheels = |wheels: &TimedWheelConfig| -> Result<_> {
-            let noise = config.landmark_settings()?.motion_noise;
-            let odometry = WheelOdometry::new(wheels.drive.track_m)?.with_noise(noise);
+            let noise = config.robot()?.odometry;
+            let odometry = WheelOdometry::new(wheels.drive.track)?.with_noise(noise);
             let odometry = odometry.with_faults(wheels.drive.faults)?;
             Ok(Timed {
                 sensor: Wheels { odometry, way: 0.0, turn: 0.0 },
-                every: config.steps("outdoor.wheels.every_s", wheels.every_s)?,
-                silent: wheels.silent_s.clone(),
+                every: config.steps("outdoor.wheels.every", wheels.every)?,
+                silent: wheels.silent.clone(),
                 rng: rng("odometry"),
             })
         };
         let radio = |radio: &RadioConfig| -> Result<_> {
-            let (scale, offset) = (radio.scale, radio.offset_m);
+            let (scale, offset) = (radio.scale, radio.offset);
             Ok(Timed {
                 sensor: Radio { antenna: radio.antenna()?, scale, offset },
-                every: config.steps("outdoor.radio.every_s", radio.every_s)?,
-                silent: radio.silent_s.clone(),
+                every: config.steps("outdoor.radio.every", radio.every)?,
+                silent: radio.silent.clone(),
                 rng: rng("radio"),
             })
         };
         let (mut inertial, mut compass, mut receiver) = (None, None, None);
         if let Some(unit) = &config.inertial {
-            let sensor = Imu::new(unit.spec(config.time_step_s))?;
-            let silent = unit.silent_s.clone();
+            let sensor = Imu::new(unit.spec(config.time_step))?;
+            let silent = unit.silent.clone();
             inertial = Some(Timed { sensor, every: 1, silent, rng: rng("imu") });
         }
         if let Some(given) = &config.compass {
             compass = Some(Timed {
                 sensor: given.compass()?,
-                every: config.steps("outdoor.compass.every_s", given.every_s)?,
-                silent: given.silent_s.clone(),
+                every: config.steps("outdoor.compass.every", given.every)?,
+                silent: given.silent.clone(),
                 rng: rng("compass"),
             });
         }
@@ -260,9 +260,9 @@ impl Sensors {
             let frame = LocalFrame::new(Geodetic::from_degrees(52.2719, 8.0443, 64.0)?)?;
             let gnss = Gnss::new(frame).with_noise(given.noise())?;
             receiver = Some(Timed {
-                sensor: Receiver { gnss, frame, latency: given.latency_s },
-                every: config.steps("outdoor.satellites.every_s", given.every_s)?,
-                silent: given.silent_s.clone(),
+                sensor: Receiver { gnss, frame, latency: given.latency },
+                every: config.steps("outdoor.satellites.every", given.every)?,
+                silent: given.silent.clone(),
                 rng: rng("satellites"),
             });
         }
@@ -274,7 +274,7 @@ impl Sensors {
             compass,
             receiver,
             radio: config.radio.as_ref().map(radio).transpose()?,
-            note_every: (NOTE_EVERY / config.time_step_s).round().max(1.0) as usize,
+            note_every: (NOTE_EVERY / config.time_step).round().max(1.0) as usize,
             gyroscope,
             forward,
             left,

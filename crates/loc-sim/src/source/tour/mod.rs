@@ -11,7 +11,7 @@ mod config;
 mod world;
 
 pub use config::{
-    Drawn, KidnapConfig, KidnapTarget, PoseConfig, StartSigmaConfig, TourConfig, TourWheelConfig,
+    Drawn, KidnapConfig, KidnapTarget, TourConfig,
 };
 pub use world::{RobotConfig, TourWorld, WorldConfig};
 
@@ -77,7 +77,7 @@ impl SimulatedTour {
     pub fn new(name: &str, config: &TourConfig, seed: u64) -> Result<Self> {
         config.check()?;
         let world = TourWorld::open(config.world.as_ref(), config.map.as_deref())?;
-        let roads = Roads::new(&world, config.robot.radius_m)?;
+        let roads = Roads::new(&world, config.robot.radius)?;
         let mut tour_rng = stream(seed, "tour");
         let pose = match &config.start {
             Some(start) => on_roads(&roads, "tour.start", start)?,
@@ -98,16 +98,16 @@ impl SimulatedTour {
             driver: Driver::new(config.robot),
             stops,
             tour_rng,
-            dt: config.time_step_s,
+            dt: config.time_step,
             step: 0,
-            steps: config.steps("tour.duration_s", config.duration_s)?,
+            steps: config.steps("tour.duration", config.duration)?,
             pose,
             twist: Twist2::ZERO,
             wheels: config.odometry()?,
             wheel_rng: stream(seed, "odometry"),
             odometry: Pose2::IDENTITY,
             scanner,
-            scan_every: config.steps("tour.laser.every_s", config.laser.every_s)?,
+            scan_every: config.steps("tour.laser.every", config.laser.every)?,
             laser_rng: stream(seed, "laser"),
             camera: TourCamera::new(config, seed)?,
             crowd,
@@ -201,12 +201,12 @@ fn setup(
     pose: Pose2,
     seed: u64,
 ) -> Result<Setup> {
-    let mut start_belief = pose_belief(pose, config.start_sigmas()?);
+    let mut start_belief = pose_belief(pose, config.start_sigma.sigmas()?);
     start_belief.mean = start_belief.sample(&mut stream(seed, "start"));
     Ok(Setup {
         name: name.into(),
         start: 0.0,
-        end: config.duration_s,
+        end: config.duration,
         start_belief,
         rail: None,
         // Without a camera, landmarks are not used.
@@ -215,15 +215,14 @@ fn setup(
         // Its walls are cells; the laser measures their outline.
         lines: Some(Arc::new(LineMap::outline(&world.grid)?)),
         has_laser: true,
-        kidnapped_at: config.kidnap.map(|kidnap| kidnap.at_s),
+        kidnapped_at: config.kidnap.map(|kidnap| kidnap.at),
     })
 }
 
 /// A configured pose, moved to the nearest position with room for the robot.
-fn on_roads(roads: &Roads, key: &str, named: &PoseConfig) -> Result<Pose2> {
-    let pose = named.pose();
+fn on_roads(roads: &Roads, key: &str, pose: &Pose2) -> Result<Pose2> {
     let place = roads.nearest(key, pose.position())?;
-    Ok(Pose2 { x: place.x, y: place.y, ..pose })
+    Ok(Pose2 { x: place.x, y: place.y, ..*pose })
 }
 
 fn draw_pose(roads: &Roads, rng: &mut ChaCha8Rng) -> Pose2 {
@@ -243,13 +242,13 @@ struct Kidnap {
 
 impl Kidnap {
     fn new(config: &TourConfig, roads: &Roads, seed: u64) -> Result<Option<Self>> {
-        let Some(KidnapConfig { at_s, to }) = config.kidnap else { return Ok(None) };
+        let Some(KidnapConfig { at, to }) = config.kidnap else { return Ok(None) };
         let to = match to {
             KidnapTarget::Pose(pose) => Some(on_roads(roads, "tour.kidnap.to", &pose)?),
             KidnapTarget::Drawn(Drawn::Random) => None,
         };
         // Checked to lie within the tour.
-        let step = (at_s / config.time_step_s).round() as usize;
+        let step = (at / config.time_step).round() as usize;
         Ok(Some(Kidnap { step, to, rng: stream(seed, "kidnap") }))
     }
 
@@ -270,22 +269,16 @@ impl Kidnap {
 pub struct LaserConfig {
     /// Its data sheet.
     pub preset: LaserPreset,
-    /// Time between two scans that are looked at; a multiple of the time step.
+    /// Time between two scans that are looked at; a multiple of the time step \[s\].
     #[serde(default = "every")]
-    pub every_s: f64,
-    /// Where it sits on the robot: forward.
-    #[serde(default)]
-    pub forward_m: f64,
-    /// Where it sits on the robot: to the left.
-    #[serde(default)]
-    pub left_m: f64,
-    /// How it is turned, counter-clockwise.
-    #[serde(default)]
-    pub yaw_deg: f64,
-    /// Standard deviation of a range, where it is not the data sheet's.
-    pub sigma_m: Option<f64>,
-    /// Longest range, where it is not the data sheet's.
-    pub max_range_m: Option<f64>,
+    pub every: f64,
+    /// Its pose on the robot, `base_from_laser`.
+    #[serde(default, with = "loc_core::settings::pose")]
+    pub mounting: Pose2,
+    /// Standard deviation of a range, where it is not the data sheet's \[m\].
+    pub sigma: Option<f64>,
+    /// Longest range, where it is not the data sheet's \[m\].
+    pub max_range: Option<f64>,
     /// What goes wrong with single beams, as probabilities: `dropout`, `erroneous`, `short`.
     #[serde(default)]
     pub faults: LaserFaults,
@@ -315,15 +308,15 @@ impl LaserConfig {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
     pub fn scanner(&self) -> Result<LaserScanner> {
-        positive("laser.every_s", self.every_s)?;
+        positive("laser.every", self.every)?;
         let mut spec = match self.preset {
             LaserPreset::HokuyoUst10Lx => LaserSpec::hokuyo_ust_10lx(),
             LaserPreset::SickLms100 => LaserSpec::sick_lms100(),
             LaserPreset::SickLms100At50Hz => LaserSpec::sick_lms100_50_hz(),
         };
-        spec.noise.sigma = self.sigma_m.unwrap_or(spec.noise.sigma);
-        spec.range_max = self.max_range_m.unwrap_or(spec.range_max);
-        let mounting = Pose2::new(self.forward_m, self.left_m, self.yaw_deg.to_radians());
+        spec.noise.sigma = self.sigma.unwrap_or(spec.noise.sigma);
+        spec.range_max = self.max_range.unwrap_or(spec.range_max);
+        let mounting = self.mounting;
         let scanner = LaserScanner { mounting, spec, faults: self.faults };
         scanner.check()?;
         Ok(scanner)
@@ -347,7 +340,7 @@ impl TourCamera {
         let Some(camera) = &config.camera else { return Ok(None) };
         Ok(Some(TourCamera {
             camera: camera.camera()?,
-            every: config.steps("tour.camera.every_s", camera.every_s)?,
+            every: config.steps("tour.camera.every", camera.every)?,
             rng: stream(seed, "camera"),
         }))
     }

@@ -30,8 +30,8 @@ pub struct WorldConfig {
     pub width: Option<usize>,
     /// Number of rows.
     pub height: Option<usize>,
-    /// Side of a cell.
-    pub resolution_m: Option<f64>,
+    /// Side of a cell \[m\].
+    pub resolution: Option<f64>,
     /// What its details are drawn from, whatever the seed of the run; 1 where left out.
     pub seed: Option<u64>,
 }
@@ -59,7 +59,7 @@ impl WorldConfig {
         Ok(WorldSettings {
             width: self.width.unwrap_or(suited.width),
             height: self.height.unwrap_or(suited.height),
-            resolution: self.resolution_m.unwrap_or(suited.resolution),
+            resolution: self.resolution.unwrap_or(suited.resolution),
             seed: self.seed.unwrap_or(suited.seed),
         })
     }
@@ -295,27 +295,29 @@ const STEERING: f64 = 2.5;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RobotConfig {
-    /// The robot keeps this far from walls.
-    pub radius_m: f64,
-    /// Speed where nothing is in the way.
-    pub speed_m_s: f64,
-    /// Largest turn rate.
-    pub turn_deg_s: f64,
-    /// Change of the speed.
-    pub acceleration_m_s2: f64,
-    /// Change of the turn rate.
-    pub turn_acceleration_deg_s2: f64,
+    /// The robot keeps this far from walls \[m\].
+    pub radius: f64,
+    /// Speed where nothing is in the way \[m/s\].
+    pub speed: f64,
+    /// Largest turn rate \[rad/s\].
+    #[serde(with = "loc_core::settings::angle_per_s")]
+    pub turn: f64,
+    /// Change of the speed \[m/s^2\].
+    pub acceleration: f64,
+    /// Change of the turn rate \[rad/s^2\].
+    #[serde(with = "loc_core::settings::angle_per_s2")]
+    pub turn_acceleration: f64,
 }
 
 impl Default for RobotConfig {
     /// A small service robot.
     fn default() -> Self {
         RobotConfig {
-            radius_m: 0.3,
-            speed_m_s: 0.7,
-            turn_deg_s: 70.0,
-            acceleration_m_s2: 0.8,
-            turn_acceleration_deg_s2: 200.0,
+            radius: 0.3,
+            speed: 0.7,
+            turn: 70_f64.to_radians(),
+            acceleration: 0.8,
+            turn_acceleration: 200_f64.to_radians(),
         }
     }
 }
@@ -326,11 +328,11 @@ impl RobotConfig {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] with the key.
     pub(super) fn check(&self) -> crate::Result<()> {
-        positive("tour.robot.radius_m", self.radius_m)?;
-        positive("tour.robot.speed_m_s", self.speed_m_s)?;
-        positive("tour.robot.turn_deg_s", self.turn_deg_s)?;
-        positive("tour.robot.acceleration_m_s2", self.acceleration_m_s2)?;
-        positive("tour.robot.turn_acceleration_deg_s2", self.turn_acceleration_deg_s2)?;
+        positive("tour.robot.radius", self.radius)?;
+        positive("tour.robot.speed", self.speed)?;
+        positive("tour.robot.turn", self.turn)?;
+        positive("tour.robot.acceleration", self.acceleration)?;
+        positive("tour.robot.turn_acceleration", self.turn_acceleration)?;
         Ok(())
     }
 }
@@ -375,7 +377,7 @@ impl Driver {
         let toward = |now: f64, goal: f64, rate: f64| now + (goal - now).clamp(-rate, rate);
         let robot = &self.robot;
         let (change, turn) =
-            (robot.acceleration_m_s2 * dt, robot.turn_acceleration_deg_s2.to_radians() * dt);
+            (robot.acceleration * dt, robot.turn_acceleration * dt);
         let twist = Twist2::forward(
             toward(self.twist.vx, goal.vx, change),
             toward(self.twist.omega, goal.omega, turn),
@@ -383,7 +385,7 @@ impl Driver {
         let after = Integration::ExactArc.step(pose, twist, dt);
         let [now, then] = [pose, after].map(|pose| world.clearance(&pose.position()));
         // It brakes faster than it accelerates.
-        let blocked = then < 0.8 * self.robot.radius_m && then <= now;
+        let blocked = then < 0.8 * self.robot.radius && then <= now;
         self.twist = if blocked { Twist2::forward(0.0, goal.omega) } else { twist };
         self.twist
     }
@@ -398,9 +400,9 @@ impl Driver {
         let Some(point) = self.way.get(self.next) else { return Twist2::ZERO };
         let direction = (point.y - here.y).atan2(point.x - here.x);
         let off = angle::difference(direction, pose.theta);
-        let turn = self.robot.turn_deg_s.to_radians();
+        let turn = self.robot.turn;
         let omega = (STEERING * off).clamp(-turn, turn);
         let straight = (1.0 - off.abs() / TURN_FIRST).max(0.0);
-        Twist2::forward(self.robot.speed_m_s * straight, omega)
+        Twist2::forward(self.robot.speed * straight, omega)
     }
 }
