@@ -6,6 +6,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use loc_core::Pose2;
+use loc_filters::RobotSettings;
 use loc_maps::grid::io;
 use loc_ros::messages::{Header, LaserScan, Message, Stamp};
 use loc_ros::{Dialect, McapWriter, open};
@@ -128,9 +129,9 @@ fn turtlebot(c: &mut Criterion) {
     let bag = Path::new(&data).join("ros_bags/turtlebot4");
     let map = Arc::new(io::load(bag.join("mac_1st_floor_9_23.yaml")).expect("a map"));
     let config = RecordingConfig::parse("lasers", recording::LASER, &[]).expect("settings");
-    let settings = config.settings().expect("settings");
+    let settings = config.settings(RobotSettings::default()).expect("settings");
     let start = Start::At(Pose2::IDENTITY);
-    let start_sigmas = config.start.sigmas().expect("settings");
+    let start_sigmas = config.start_sigma.sigmas().expect("settings");
     let options = ReplayOptions { map: Some(map), start, start_sigmas, ..ReplayOptions::default() };
     let events = || RosRecording::open(&bag, &options, &RosOptions::default()).expect("a bag");
     let mut group = c.benchmark_group("bags/turtlebot4");

@@ -6,10 +6,9 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2, Twist2};
+use loc_filters::RobotSettings;
 use loc_filters::delayed::Sequential;
-use loc_filters::landmark::{
-    LandmarkEkf, LandmarkFilter, LandmarkLocalizer, RobotSettings, LandmarkUkf,
-};
+use loc_filters::landmark::{LandmarkEkf, LandmarkFilter, LandmarkLocalizer, LandmarkUkf};
 use loc_filters::smoother::{Recorded, Smoothable};
 use loc_filters::{ExtendedKalmanFilter, Localizer, NonlinearFilter};
 use loc_maps::{Landmark, LandmarkMap};
@@ -110,10 +109,9 @@ fn step(c: &mut Criterion) {
         });
     });
     group.throughput(Throughput::Elements(1));
-    let motion = settings.motion_noise;
-    let (q_r, q_phi) =
-        (settings.observation_noise.range_sigma, settings.observation_noise.bearing_sigma);
-    let noise = [motion.k_d, motion.k_theta, motion.k_drift, q_r * q_r, q_phi * q_phi];
+    let motion = settings.odometry;
+    let (q_r, q_phi) = (settings.camera.range_sigma, settings.camera.bearing_sigma);
+    let noise = [motion.k_d(), motion.k_theta(), motion.k_drift(), q_r * q_r, q_phi * q_phi];
     group.bench_function("bare nalgebra", |bencher| {
         bencher.iter(|| {
             let mut belief = black_box(start);

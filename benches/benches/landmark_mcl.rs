@@ -11,6 +11,7 @@ use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2};
 use loc_filters::Localizer;
+use loc_filters::RobotSettings;
 use loc_filters::delayed::Delayed;
 use loc_maps::{Landmark, LandmarkMap};
 use loc_pf::motion::VelocityStep;
@@ -96,7 +97,9 @@ fn step(c: &mut Criterion) {
             });
         });
     }
-    let settings = LandmarkMclSettings::default().particles(PARTICLES).sights(model(0.01));
+    let settings = LandmarkMclSettings::default()
+        .robot(RobotSettings::default().camera(NOISE))
+        .particles(PARTICLES);
     let start = pose_belief(Pose2::IDENTITY, [0.1, 0.1, 0.05]);
     let mcl = LandmarkMcl::new(map.clone(), settings, 0.0, &start, rng).expect("valid");
     let mut mcl = Delayed::new(mcl, 2.0).expect("valid");

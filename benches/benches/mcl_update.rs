@@ -31,10 +31,14 @@ fn scan(map: &OccupancyGrid, beams: usize) -> LaserScan {
 }
 
 fn filter(particles: usize, beams: usize, threads: usize) -> MclSettings {
-    let particles =
-        KldSettings::default().min_particles(particles).max_particles(particles);
+    let particles = KldSettings::default().min_particles(particles).max_particles(particles);
     let recovery = RecoverySettings::default().search(false).suspicion(None).augmented(None);
-    MclSettings::default().particles(particles).beams(beams).threads(threads).recovery(recovery).tempering(None)
+    MclSettings::default()
+        .particles(particles)
+        .beams(beams)
+        .threads(threads)
+        .recovery(recovery)
+        .tempering(None)
 }
 
 /// Times updates of a filter that drives to and fro about the place.

@@ -173,7 +173,8 @@ mod text {
         ///
         /// # Errors
         /// Those of the serializer.
-        fn write<S: Serializer>(&self, per: &'static str, serializer: S) -> Result<S::Ok, S::Error>;
+        fn write<S: Serializer>(&self, per: &'static str, serializer: S)
+        -> Result<S::Ok, S::Error>;
 
         /// Reads a number \[rad\] or a text.
         ///
@@ -183,7 +184,11 @@ mod text {
     }
 
     impl Angle for f64 {
-        fn write<S: Serializer>(&self, per: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        fn write<S: Serializer>(
+            &self,
+            per: &'static str,
+            serializer: S,
+        ) -> Result<S::Ok, S::Error> {
             match degrees(*self).filter(|_| serializer.is_human_readable()) {
                 Some(degrees) => serializer.collect_str(&format_args!("{degrees} deg{per}")),
                 None => serializer.serialize_f64(*self),
@@ -196,7 +201,11 @@ mod text {
     }
 
     impl Angle for Option<f64> {
-        fn write<S: Serializer>(&self, per: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        fn write<S: Serializer>(
+            &self,
+            per: &'static str,
+            serializer: S,
+        ) -> Result<S::Ok, S::Error> {
             match self {
                 Some(angle) => angle.write(per, serializer),
                 None => serializer.serialize_none(),

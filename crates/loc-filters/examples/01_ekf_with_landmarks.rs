@@ -5,8 +5,9 @@ use loc_core::motion::Integration;
 use loc_core::random::stream;
 use loc_core::{Pose2, Twist2, gaussian::pose_belief};
 use loc_filters::Localizer;
+use loc_filters::RobotSettings;
 use loc_filters::delayed::Delayed;
-use loc_filters::landmark::{LandmarkLocalizer, RobotSettings};
+use loc_filters::landmark::LandmarkLocalizer;
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::LandmarkCamera;
 

@@ -42,11 +42,7 @@ impl DeadReckoning {
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
-    pub fn new(
-        robot: RobotSettings,
-        stamp: f64,
-        start: Gaussian<3>,
-    ) -> Result<Self> {
+    pub fn new(robot: RobotSettings, stamp: f64, start: Gaussian<3>) -> Result<Self> {
         let velocities = LandmarkLocalizer::new(LandmarkMap::default(), robot, stamp, start)?;
         Ok(DeadReckoning { velocities, path_noise: robot.path, belief: start, odometry: None })
     }

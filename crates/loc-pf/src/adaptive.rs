@@ -70,7 +70,6 @@ pub enum KldCertainty {
 }
 
 impl KldSettings {
-
     /// How many particles a belief over `bins` bins needs: the quantile of chi-square with
     /// `bins - 1` degrees of freedom over twice the error, by the approximation of Wilson and
     /// Hilferty; between `min_particles` and `max_particles`.

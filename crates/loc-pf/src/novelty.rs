@@ -188,7 +188,6 @@ loc_core::settings! {
 }
 
 impl DistanceFilter {
-
     /// Which of the beams numbered `beams` to keep. Without a sample, all of them.
     ///
     /// # Errors
@@ -280,7 +279,6 @@ loc_core::settings! {
 }
 
 impl EntropyFilter {
-
     /// Which of the beams numbered `beams` to keep, including those without information. `rating`
     /// is the logarithm of the likelihood of a beam, as [`by_field`] or
     /// [`by_casting`] give it.

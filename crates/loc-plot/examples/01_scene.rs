@@ -18,7 +18,7 @@ fn main() -> std::io::Result<()> {
     // The robot drives a circle. Its odometry believes in a slightly smaller turn rate.
     let twist = Twist2::forward(1.0, TAU / 14.0);
     let believed = Twist2 { omega: 0.97 * twist.omega, ..twist };
-    let noise = VelocityNoise { k_d: 0.02_f64.powi(2), ..VelocityNoise::NONE };
+    let noise = VelocityNoise { distance_sigma: 0.02, ..VelocityNoise::NONE };
     let mut truth = vec![Pose2::new(2.0, 0.0, 0.0)];
     let mut beliefs = vec![Gaussian::certain(truth[0].to_vector())];
     for k in 0..130 {

@@ -57,6 +57,16 @@ where
     config.try_into().map_err(|e: toml::de::Error| error(&file, &explained(e.message())))
 }
 
+/// Applies one change, `key.subkey=value`, to a table.
+pub(crate) fn change(table: &mut Table, change: &str) -> Result<()> {
+    let mut config = Value::Table(std::mem::take(table));
+    let result = apply(&mut config, change);
+    if let Value::Table(changed) = config {
+        *table = changed;
+    }
+    result.map_err(|message| error("change", &message))
+}
+
 pub(crate) fn error(file: &str, message: &str) -> Error {
     Error::Config { file: file.into(), message: message.into() }
 }
@@ -163,7 +173,7 @@ fn set<'k>(place: &mut Value, keys: &[&'k str], value: Value) -> Result<(), &'k 
     set(inner.ok_or(key)?, rest, value)
 }
 
-/// A TOML value, or the text itself where it is none: `filter.integration=euler`.
+/// A TOML value, or the text itself where it is none: `filter.robot.integration=euler`.
 pub(crate) fn parse_value(text: &str) -> Value {
     let parsed: Result<Table, _> = toml::from_str(&format!("value = {text}"));
     let value = parsed.ok().and_then(|mut table| table.remove("value"));

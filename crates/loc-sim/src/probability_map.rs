@@ -168,7 +168,7 @@ pub struct ProbabilityMapConfig {
     /// The laser; `every` has no meaning here.
     pub laser: LaserConfig,
     /// How likely a beam's end is near an obstacle.
-    #[serde(default)]
+    #[serde(default = "LikelihoodFieldSettings::nav2")]
     pub field: LikelihoodFieldSettings,
     /// Most beams of the scan that are used.
     #[serde(default = "beams")]

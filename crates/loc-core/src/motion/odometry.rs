@@ -163,7 +163,6 @@ crate::settings! {
 }
 
 impl PathNoise {
-
     /// Variances that a path adds along it \[m^2\], across it \[m^2\] and to the heading \[rad^2\],
     /// without faults of the odometry and without the lower bounds.
     pub fn variances(&self, path: &DrivenPath) -> Vector3<f64> {

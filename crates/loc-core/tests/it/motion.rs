@@ -15,8 +15,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 fn e8(integration: Integration) -> Gaussian<3> {
     let degrees = f64::to_radians;
     let noise = VelocityNoise::from_sigmas(0.02, 0.0, degrees(2.0)).unwrap();
-    let k_theta = degrees(5.0).powi(2) / degrees(360.0);
-    let noise = VelocityNoise { k_theta, ..noise };
+    let noise = VelocityNoise { turn_sigma: degrees(5.0), ..noise };
     let twist = Twist2::forward(1.0, degrees(24.0));
     (0..140).fold(Gaussian::certain(Vector3::zeros()), |belief, _| {
         dead_reckon(&belief, twist, 0.1, integration, &noise)
@@ -251,17 +250,17 @@ fn the_error_of_a_straight_drive_does_not_depend_on_the_steps() {
     let noise = VelocityNoise::from_sigmas(0.05, 0.1, 0.03).unwrap();
     for steps in [1, 2, 40, 1000] {
         let covariance = straight(steps, 0.0, &noise).covariance;
-        assert_relative_eq!(covariance.m11, 4.0 * noise.k_d, epsilon = 1e-12);
-        assert_relative_eq!(covariance.m33, 4.0 * noise.k_drift, epsilon = 1e-12);
+        assert_relative_eq!(covariance.m11, 4.0 * noise.k_d(), epsilon = 1e-12);
+        assert_relative_eq!(covariance.m33, 4.0 * noise.k_drift(), epsilon = 1e-12);
         // Sideways the heading's random walk adds up to k_drift d^3 / 3, from below: the error
         // within a step acts from its middle.
         let n = f64::from(steps);
-        let sideways = noise.k_drift * 64.0 / 3.0 * (1.0 - 0.25 / (n * n));
+        let sideways = noise.k_drift() * 64.0 / 3.0 * (1.0 - 0.25 / (n * n));
         assert_relative_eq!(covariance.m22, sideways, epsilon = 1e-12);
-        assert_relative_eq!(covariance.m23, -noise.k_drift * 8.0, epsilon = 1e-12);
+        assert_relative_eq!(covariance.m23, -noise.k_drift() * 8.0, epsilon = 1e-12);
     }
     // Without drift, the whole covariance is the same, in every direction.
-    let noise = VelocityNoise { k_drift: 0.0, ..noise };
+    let noise = VelocityNoise { drift_sigma: 0.0, ..noise };
     let (coarse, fine) = (straight(1, 0.7, &noise), straight(500, 0.7, &noise));
     assert_abs_diff_eq!(coarse.mean, fine.mean, epsilon = 1e-12);
     assert_abs_diff_eq!(coarse.covariance, fine.covariance, epsilon = 1e-14);
@@ -270,10 +269,10 @@ fn the_error_of_a_straight_drive_does_not_depend_on_the_steps() {
 #[test]
 fn velocity_noise_by_hand() {
     let noise = VelocityNoise::from_sigmas(0.05, 5_f64.to_radians(), 2_f64.to_radians()).unwrap();
-    assert_relative_eq!(noise.k_d, 0.0025, epsilon = 1e-15);
-    assert_relative_eq!(noise.k_theta, 5_f64.to_radians().powi(2) / TAU, epsilon = 1e-15);
+    assert_relative_eq!(noise.k_d(), 0.0025, epsilon = 1e-15);
+    assert_relative_eq!(noise.k_theta(), 5_f64.to_radians().powi(2) / TAU, epsilon = 1e-15);
     let variances = noise.variances(Twist2::new(-3.0, 4.0, -0.5), 0.1);
-    let turning = 10.0 * (noise.k_theta * 0.5 + noise.k_drift * 5.0);
+    let turning = 10.0 * (noise.k_theta() * 0.5 + noise.k_drift() * 5.0);
     assert_relative_eq!(variances, Vector3::new(0.075, 0.1, turning), epsilon = 1e-13);
     assert_eq!(noise.variances(Twist2::forward(1.0, 1.0), 0.0), Vector3::zeros());
     assert_eq!(noise.variances(Twist2::ZERO, 0.1), Vector3::zeros());

@@ -210,4 +210,3 @@ impl AssociationSettings {
     /// in the order in which they came, each group choosing from the landmarks that are left.
     pub const GROUP: usize = 32;
 }
-

@@ -2,8 +2,6 @@
 //! then correct with it. Measurements of the velocity hold until the next one is due.
 
 use super::FusionSettings;
-use crate::RobotSettings;
-use loc_core::error::{finite, positive};
 use super::models::{
     CompassModel, DirectionModel, DistanceModel, FusedMotion, InertialModel, ObservationModel,
     PositionModel, RandomWalk, WheelModel,
@@ -12,11 +10,13 @@ use super::state::{
     DRIFT_X, DRIFT_Y, FORWARD_BIAS, FusedBelief, GYRO_BIAS, LEFT_BIAS, RANGE_OFFSET, RANGE_SCALE,
     SPEED, STATES, Square, TURN,
 };
+use crate::RobotSettings;
 use crate::delayed::Sequential;
 use crate::landmark::RangeBearingModel;
 use crate::localizer::{Decision, Estimate, Localizer, Outcome, SensorError, observed_position};
 use crate::smoother::{Recorded, Smoothable};
 use crate::{Error, ExtendedKalmanFilter, Gate, NonlinearFilter, Result};
+use loc_core::error::{finite, positive};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::compass::CompassReading;
@@ -346,7 +346,8 @@ impl<F: NonlinearFilter<STATES>> Localizer for FusedLocalizer<F> {
                 self.sensors.landmarks = true;
                 let correct = |one: &LandmarkObservation| self.observation(one);
                 let mut outcomes = observations.iter().map(correct).collect::<Result<Vec<_>>>()?;
-                let camera = FusedBelief(*self.filter.belief()).pose() * self.settings.robot.mounting;
+                let camera =
+                    FusedBelief(*self.filter.belief()).pose() * self.settings.robot.mounting;
                 for (outcome, observation) in outcomes.iter_mut().zip(observations) {
                     outcome.observed_at = observed_position(camera, observation);
                 }

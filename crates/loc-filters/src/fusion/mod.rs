@@ -41,8 +41,8 @@ pub use models::{
 };
 pub use state::FusedBelief;
 
-use crate::lateration::BiasPrior;
 use crate::RobotSettings;
+use crate::lateration::BiasPrior;
 use loc_sensors::gnss::GnssNoise;
 use loc_sensors::imu::ImuSpec;
 use nalgebra::Point2;
@@ -81,4 +81,3 @@ loc_core::settings! {
         pub start_turn: f64 = 0.5 => non_negative;
     }
 }
-

@@ -2,7 +2,9 @@
 
 use crate::extended::{LinearizedMotion, MeasurementModel, MotionModel};
 use crate::localizer::{Decision, Outcome};
-use crate::{ExtendedKalmanFilter, Gate, NonlinearFilter, Result, RobotSettings, UnscentedKalmanFilter};
+use crate::{
+    ExtendedKalmanFilter, Gate, NonlinearFilter, Result, RobotSettings, UnscentedKalmanFilter,
+};
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::{Gaussian, Pose2, Twist2, angle};
 use loc_maps::LandmarkMap;

@@ -37,8 +37,8 @@ mod pairing;
 pub use ekf::{LineEkf, LineFilter, LinePair, LineUkf, LineUpdate, Tracking};
 pub use model::{FieldOfView, LineModel, PredictedLine, STATES};
 
-use crate::association::Rule;
 use crate::RobotSettings;
+use crate::association::Rule;
 use loc_sensors::features::LineExtractor;
 use nalgebra::Vector2;
 
@@ -118,4 +118,3 @@ impl SystematicErrors {
         Vector2::new(change(self.drift), change(self.scale))
     }
 }
-

@@ -1,9 +1,9 @@
 //! Linear Kalman SLAM: a robot that moves in the plane without turning (I1).
 
 use super::state::{LargeState, Row};
+use crate::RobotSettings;
 use crate::delayed::{Clock, Sequential};
 use crate::localizer::{Decision, Estimate, EstimatedMap, Localizer, Outcome};
-use crate::RobotSettings;
 use crate::slam::{MapLandmark, SlamSettings};
 use crate::{Gate, Innovation, Result};
 use loc_core::error::non_negative;
@@ -220,11 +220,7 @@ impl LinearSlamLocalizer {
     ///
     /// # Errors
     /// [`loc_core::Error`] for a belief, a stamp or settings that are not valid.
-    pub fn new(
-        settings: SlamSettings,
-        stamp: f64,
-        start: &Gaussian<3>,
-    ) -> Result<Self> {
+    pub fn new(settings: SlamSettings, stamp: f64, start: &Gaussian<3>) -> Result<Self> {
         let heading = start.mean.z;
         let turn = Rotation2::new(-heading);
         let position = start.position();

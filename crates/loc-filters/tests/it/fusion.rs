@@ -6,6 +6,7 @@ use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::stats::nees;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::Localizer;
+use loc_filters::RobotSettings;
 use loc_filters::delayed::Delayed;
 use loc_filters::extended::{MeasurementModel, MotionModel};
 use loc_filters::fusion::state::{
@@ -124,12 +125,23 @@ fn settings() -> FusionSettings {
         start_bias,
         limit: 50.0,
     };
-    FusionSettings::default().robot(RobotSettings::default().odometry(VelocityNoise::from_sigmas(0.05, 0.1, 0.03).unwrap()).camera(LandmarkNoise { range_sigma: 0.2, ..LandmarkNoise::default() })).range_bias(BiasPrior { scale_sigma: 0.05, offset_sigma: 0.2 }).imu(ImuSpec { rate: 20.0, accelerometer: axis(0.01, 0.1), gyroscope: axis(0.001, 0.01) }).compass_sigma(0.05).gnss(GnssNoise {
+    FusionSettings::default()
+        .robot(
+            RobotSettings::default()
+                .odometry(VelocityNoise::from_sigmas(0.05, 0.1, 0.03).unwrap())
+                .camera(LandmarkNoise { range_sigma: 0.2, ..LandmarkNoise::default() }),
+        )
+        .range_bias(BiasPrior { scale_sigma: 0.05, offset_sigma: 0.2 })
+        .imu(ImuSpec { rate: 20.0, accelerometer: axis(0.01, 0.1), gyroscope: axis(0.001, 0.01) })
+        .compass_sigma(0.05)
+        .gnss(GnssNoise {
             white_sigma: 0.5,
             drift_sigma: 0.5,
             drift_time: 30.0,
             vertical_factor: 1.0,
-        }).start_speed(0.1).start_turn(0.1)
+        })
+        .start_speed(0.1)
+        .start_turn(0.1)
 }
 
 fn map() -> LandmarkMap {
@@ -190,7 +202,7 @@ impl Drive {
         let rng = &mut self.rng;
         let mut draw = |sigma: f64| sigma * normal(rng);
         if k.is_multiple_of(2) {
-            let sigma = settings.motion_noise.variances(mean, 2.0 * DT).map(f64::sqrt);
+            let sigma = settings.robot.odometry.variances(mean, 2.0 * DT).map(f64::sqrt);
             let seen = Twist2::forward(mean.vx + draw(sigma.x), mean.omega + draw(sigma.z));
             robot.velocity(from, seen).unwrap();
         }
@@ -320,7 +332,7 @@ fn sensors_that_never_come_change_nothing() {
     for k in 0..100 {
         let twist = Twist2::forward(1.0, 0.2);
         robot.velocity(f64::from(k) * 0.1, twist).unwrap();
-        let (arc, noise) = (Integration::ExactArc, settings.motion_noise);
+        let (arc, noise) = (Integration::ExactArc, settings.robot.odometry);
         expected = dead_reckon(&expected, twist, 0.1, arc, &noise);
     }
     let belief = belief_of(&robot, 10.0).unwrap().about_pose();

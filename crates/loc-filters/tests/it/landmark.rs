@@ -3,8 +3,9 @@ use loc_core::gaussian::pose_belief;
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2};
+use loc_filters::RobotSettings;
 use loc_filters::delayed::Delayed;
-use loc_filters::landmark::{LandmarkEkf, LandmarkLocalizer, RobotSettings};
+use loc_filters::landmark::{LandmarkEkf, LandmarkLocalizer};
 use loc_filters::localizer::{Decision, Localizer};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::{
@@ -34,8 +35,7 @@ fn one_step_against_plain_matrices() {
         Matrix3::new(0.04, 0.01, 0.0, 0.01, 0.05, 0.002, 0.0, 0.002, 0.01),
     )
     .unwrap();
-    let settings =
-        RobotSettings::default().integration(Integration::Euler);
+    let settings = RobotSettings::default().integration(Integration::Euler);
     let mut ekf = LandmarkEkf::new(start, settings).unwrap();
     ekf.predict(twist, dt).unwrap();
     ekf.correct(&map(), &see(1, 3.4, -0.25)).unwrap();
@@ -51,8 +51,8 @@ fn one_step_against_plain_matrices() {
         DMatrix::from_row_slice(3, 2, &[0.1 * 0.3_f64.cos(), 0., 0.1 * 0.3_f64.sin(), 0., 0., 0.1]);
     let noise = VelocityNoise::default();
     let su = DMatrix::from_diagonal(&DVector::from_vec(vec![
-        noise.k_d / dt,
-        noise.k_theta / dt * 0.4 + noise.k_drift / dt,
+        noise.k_d() / dt,
+        noise.k_theta() / dt * 0.4 + noise.k_drift() / dt,
     ]));
     let p = &gx * dyn3(&start.covariance) * gx.transpose() + &gu * su * gu.transpose();
     let (dx, dy) = (x - 4.0, y);
@@ -97,8 +97,7 @@ fn unknown_landmarks_and_outliers_change_nothing() {
     assert!(ekf.predict(Twist2::forward(f64::NAN, 0.0), 0.1).is_err());
     assert!(ekf.predict(Twist2::ZERO, -0.1).is_err());
     assert_eq!(*ekf.belief(), start);
-    let noiseless =
-        RobotSettings::default().camera(LandmarkNoise::NONE);
+    let noiseless = RobotSettings::default().camera(LandmarkNoise::NONE);
     assert!(LandmarkEkf::new(start, noiseless).is_err());
 }
 

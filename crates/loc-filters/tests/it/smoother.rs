@@ -5,10 +5,11 @@ use loc_core::motion::VelocityNoise;
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Normal, Pose2, Twist2, gaussian::pose_belief, stats};
 use loc_filters::Localizer;
+use loc_filters::RobotSettings;
 use loc_filters::delayed::Sequential;
 use loc_filters::extended::LinearizedMotion;
 use loc_filters::kalman::{KalmanFilter, LinearMeasurement, LinearMotion};
-use loc_filters::landmark::{LandmarkLocalizer, RobotSettings};
+use loc_filters::landmark::LandmarkLocalizer;
 use loc_filters::localizer::Estimate;
 use loc_filters::smoother::{Link, Recorded, Smoothable, Smoother};
 use loc_filters::{Error, ExtendedKalmanFilter, Gate, NonlinearFilter, UnscentedKalmanFilter};
@@ -308,7 +309,7 @@ fn drive<F: NonlinearFilter<3>>(seed: u64) -> Drive {
         // The filter is told the command; the robot does it with the noise that the filter expects.
         let noise = Gaussian {
             mean: twist.to_vector(),
-            covariance: settings.motion_noise.covariance(twist, dt),
+            covariance: settings.odometry.covariance(twist, dt),
         };
         smoother.velocity(stamp, twist).unwrap();
         online.velocity(stamp, twist).unwrap();
@@ -321,7 +322,7 @@ fn drive<F: NonlinearFilter<3>>(seed: u64) -> Drive {
                 .map(|landmark| {
                     let place = truth.inverse().transform(&landmark.position.xy());
                     let range = place.coords.norm();
-                    let noise = settings.observation_noise;
+                    let noise = settings.camera;
                     let sight = Observed::RangeBearing {
                         range: range + noise.range_sigma_at(range) * draw(&mut rng),
                         bearing: place.y.atan2(place.x) + noise.bearing_sigma * draw(&mut rng),

@@ -3,9 +3,10 @@
 use loc_core::gaussian::pose_belief;
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2};
+use loc_filters::RobotSettings;
 use loc_filters::extended::{LinearizedMotion, MeasurementModel, MotionModel};
 use loc_filters::kalman::{LinearMeasurement, LinearMotion};
-use loc_filters::landmark::{LandmarkEkf, RobotSettings, LandmarkUkf};
+use loc_filters::landmark::{LandmarkEkf, LandmarkUkf};
 use loc_filters::{ExtendedKalmanFilter, Gate, KalmanFilter, UnscentedKalmanFilter};
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
@@ -164,7 +165,7 @@ fn a_near_landmark_is_expected_as_it_is_seen() {
     let map = LandmarkMap::new([Landmark::planar(1, 1.5, 0.0)]).unwrap();
     let start = pose_belief(Pose2::IDENTITY, [0.05, 0.8, 0.01]);
     let mut settings = RobotSettings::default().gate_probability(1.0);
-    settings.observation_noise.range_sigma = 0.05;
+    settings.camera.range_sigma = 0.05;
     let mut rng = stream(4, "draws");
     let ranges: Vec<f64> = (0..100_000)
         .map(|_| start.sample(&mut rng))

@@ -131,7 +131,6 @@ impl LikelihoodFieldSettings {
     fn normaliser(&self) -> f64 {
         self.sigma_hit * std::f64::consts::TAU.sqrt()
     }
-
 }
 
 /// Squared distances \[cells^2\] of which the code is looked up; those above are computed.

@@ -163,7 +163,6 @@ loc_core::settings! {
 const STRAY: f64 = 0.02;
 
 impl LostSettings {
-
     /// By how much a scan shifts the log odds of a wrong belief, see [`crate::confidence`].
     pub fn shift(&self, scan: &ScanFit<'_>) -> f64 {
         let [blocked, near] = [scan.blocked, scan.near].map(|share| (share / STRAY).ln_1p());
@@ -188,7 +187,6 @@ loc_core::settings! {
 }
 
 impl Tolerance {
-
     /// Whether a pose is within the tolerance of the true one.
     pub fn holds(&self, reported: Pose2, truth: Pose2) -> bool {
         let (x, y) = (reported.x - truth.x, reported.y - truth.y);

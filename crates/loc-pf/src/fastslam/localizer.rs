@@ -2,10 +2,10 @@
 
 use super::{FastSlam, FastSlamSettings, finite_twist};
 use crate::Result;
-use loc_filters::RobotSettings;
 use loc_core::motion::dead_reckon;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Twist2};
+use loc_filters::RobotSettings;
 use loc_filters::delayed::{Clock, Sequential};
 use loc_filters::localizer::{
     Estimate, EstimatedMap, Localizer, Outcome, ParticleSet, observed_position,

@@ -50,12 +50,12 @@ pub use settings::FastSlamSettings;
 
 use crate::log_weights::{Mass, divide};
 use crate::{Particles, Result, Workers};
-use loc_filters::RobotSettings;
 use loc_core::gaussian::check_covariance;
 use loc_core::motion::dead_reckon;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Pose2, Twist2, angle};
 use loc_filters::Gate;
+use loc_filters::RobotSettings;
 use loc_filters::association::{AssociationSettings, Associator};
 use loc_filters::localizer::Outcome;
 use loc_filters::slam::{Identities, MapLandmark};
@@ -148,9 +148,8 @@ impl FastSlam {
         loc_core::error::non_negative("time step [s]", dt)?;
         let RobotSettings { integration, odometry, .. } = self.settings.robot;
         let step = self.step + 1;
-        let drive = |particle: &Particle| {
-            dead_reckon(&particle.belief, twist, dt, integration, &odometry)
-        };
+        let drive =
+            |particle: &Particle| dead_reckon(&particle.belief, twist, dt, integration, &odometry);
         let driven: Vec<Gaussian<3>> = self.particles.iter().map(drive).collect();
         driven.iter().try_for_each(|belief| check(belief, step))?;
         self.step = step;

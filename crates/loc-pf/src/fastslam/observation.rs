@@ -3,6 +3,7 @@
 
 use super::FastSlamSettings;
 use loc_core::{Gaussian, Pose2};
+use loc_filters::RobotSettings;
 use loc_filters::localizer::Outcome;
 use loc_filters::{Error, Gate, Innovation, MeasurementModel, Result};
 use loc_sensors::landmark_camera::Observed;
@@ -201,7 +202,8 @@ mod tests {
     #[test]
     fn jacobians_are_the_slopes_of_the_residual() {
         let mounting = Pose2::new(0.2, -0.1, 0.4);
-        let settings = FastSlamSettings::default().robot(RobotSettings::default().mounting(mounting));
+        let settings =
+            FastSlamSettings::default().robot(RobotSettings::default().mounting(mounting));
         let (pose, located) = (Vector3::new(1.0, -2.0, 0.7), Vector2::new(3.1, 0.4));
         let sight = Observed::RangeBearing { range: 2.0, bearing: 0.3 };
         let at = |pose: Vector3<f64>, located| Linearized::new(&settings, &pose, &located, sight);

@@ -1,12 +1,12 @@
 //! The settings of FastSLAM.
 
-use crate::resample::{ResamplePolicy, ResampleWhen};
 use crate::Resampling;
+use crate::resample::{ResamplePolicy, ResampleWhen};
+use loc_filters::MeasurementModel;
 use loc_filters::RobotSettings;
 use loc_filters::association::{AssociationSettings, Rule};
 use loc_filters::landmark::RangeBearingModel;
 use loc_filters::slam::{Identities, MapSettings};
-use loc_filters::MeasurementModel;
 use nalgebra::{Point2, Vector2};
 
 loc_core::settings! {

@@ -32,11 +32,11 @@ pub use update::ObservationUpdate;
 
 use crate::estimate::moments;
 use crate::{ParticleFilter, Particles, Result, Workers};
-use loc_filters::RobotSettings;
 use loc_core::Gaussian;
 use loc_core::error::finite;
 use loc_core::motion::{Twist2, dead_reckon};
 use loc_core::random::ChaCha8Rng;
+use loc_filters::RobotSettings;
 use loc_filters::delayed::{Clock, Sequential};
 use loc_filters::localizer::{
     Decision, Estimate, Localizer, Outcome, ParticleSet, observed_position,

@@ -1,7 +1,7 @@
 //! All settings of Monte Carlo localization with landmarks.
 
-use crate::sensor::landmark::ObservationModel;
 use crate::Resampling;
+use crate::sensor::landmark::ObservationModel;
 use loc_filters::RobotSettings;
 
 loc_core::settings! {
@@ -45,7 +45,6 @@ loc_core::settings! {
         pub sensor_resetting: f64 = 0.9 => probability;
     }
 }
-
 
 impl LandmarkMclSettings {
     /// The observation model of the robot's camera with these outliers.

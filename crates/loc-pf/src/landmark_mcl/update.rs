@@ -77,7 +77,8 @@ impl LandmarkMcl {
         stamp: f64,
         observations: &[LandmarkObservation],
     ) -> Result<ObservationUpdate> {
-        let likelihood = LandmarkLikelihood::new(&self.map, observations, &self.settings.observation_model())?;
+        let likelihood =
+            LandmarkLikelihood::new(&self.map, observations, &self.settings.observation_model())?;
         self.predict_to(stamp);
         self.state.resampled = false;
         if likelihood.is_empty() {

@@ -34,9 +34,9 @@ mod cumulative;
 
 pub use cumulative::CumulativeWeights;
 
+use crate::Workers;
 use crate::elementary::ROUND;
 use crate::workers::PART;
-use crate::Workers;
 use loc_core::error::{in_range, non_negative};
 use pulp::{Arch, Simd, WithSimd};
 use rand::{Rng, RngExt};

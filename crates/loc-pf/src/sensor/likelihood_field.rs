@@ -139,7 +139,6 @@ loc_core::settings! {
 }
 
 impl BeamSkip {
-
     /// For each beam of a scan whether it is kept. The result depends on the order of the poses
     /// where there are more than 1024, not on threads.
     pub fn keep(

@@ -43,8 +43,7 @@ fn bound_is_the_quantile_of_chi_square() {
 
 #[test]
 fn the_probability_is_not_taken_for_a_quantile() {
-    let by =
-        |certainty| settings(1, 100_000).certainty(certainty).particles_for(20).unwrap();
+    let by = |certainty| settings(1, 100_000).certainty(certainty).particles_for(20).unwrap();
     let confident = by(KldCertainty::Confidence(0.99));
     assert_eq!(confident, by(KldCertainty::Quantile(2.326_348)));
     // nav2's reading of 0.99 is the confidence 0.839.

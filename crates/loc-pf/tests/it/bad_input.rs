@@ -143,7 +143,11 @@ fn settings_out_of_range_are_named() {
     let map = office(1);
     let refused =
         |settings: MclSettings| Mcl::new(&map, settings, stream(1, "mcl")).unwrap_err().to_string();
-    let kld = |min_particles, max_particles| MclSettings::default().particles(KldSettings::default().min_particles(min_particles).max_particles(max_particles));
+    let kld = |min_particles, max_particles| {
+        MclSettings::default().particles(
+            KldSettings::default().min_particles(min_particles).max_particles(max_particles),
+        )
+    };
     assert!(refused(kld(0, 10)).contains("min_particles"));
     assert!(refused(kld(11, 10)).contains("max_particles"));
     assert!(refused(MclSettings::default().beams(0)).contains("beams"));

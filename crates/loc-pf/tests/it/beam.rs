@@ -4,6 +4,7 @@ use approx::assert_abs_diff_eq;
 use loc_core::Pose2;
 use loc_core::gaussian::pose_belief;
 use loc_core::random::stream;
+use loc_filters::RobotSettings;
 use loc_maps::RayCaster;
 use loc_maps::grid::{GridFrame, OccupancyGrid};
 use loc_maps::worlds::{self, WorldSettings};
@@ -99,7 +100,8 @@ fn densities_and_the_chance_of_no_return_add_up_to_one() {
 
 #[test]
 fn the_plain_gaussian_is_the_product_of_the_lecture() {
-    let settings = BeamModelSettings::default().form(BeamForm::Gaussian).sigma_hit(0.5).max_range(12.0);
+    let settings =
+        BeamModelSettings::default().form(BeamForm::Gaussian).sigma_hit(0.5).max_range(12.0);
     let model = model(settings);
     // -0.5 (1 / 0.5)^2 - ln(0.5 sqrt(2 pi))
     assert_abs_diff_eq!(model.log_density(4.0, 5.0), -2.0 - 0.225791352644, epsilon = 1e-9);
@@ -178,7 +180,12 @@ fn nothing_underflows_at_720_beams() {
     let scan = scan_at(&grid, truth, 720, 20.0);
     let beams = informative_beams(&scan, 720);
     for form in [BeamForm::Mixture, BeamForm::Gaussian] {
-        let settings = BeamModelSettings::default().form(form).sigma_hit(0.02).z_rand(1e-6).z_max(0.0).z_short(0.0);
+        let settings = BeamModelSettings::default()
+            .form(form)
+            .sigma_hit(0.02)
+            .z_rand(1e-6)
+            .z_max(0.0)
+            .z_short(0.0);
         let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
         let rated = BeamLikelihood::new(&caster, &settings, &mounted, &beams, 1.0).unwrap();
         let poses = [3.0, 0.5, 0.1, 0.02].map(|off| Pose2::new(6.0 + off, 6.0, 0.4));
@@ -320,7 +327,9 @@ fn beams_below_the_least_range_of_the_settings_are_not_used() {
     };
     let estimate = |scan: &LaserScan, min_range: f64| {
         let sensor = SensorSettings::Beam(twelve_metres());
-        let settings = MclSettings::default().robot(RobotSettings::default().laser_min_range(min_range)).sensor(sensor);
+        let settings = MclSettings::default()
+            .robot(RobotSettings::default().laser_min_range(min_range))
+            .sensor(sensor);
         let mut mcl = Mcl::new(&grid, settings, stream(3, "mcl")).unwrap();
         mcl.start_at(&pose_belief(pose, [0.2, 0.2, 0.1])).unwrap();
         let mounted = MountedScan { scan, mounting: Pose2::IDENTITY };

@@ -1,6 +1,7 @@
 use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Pose2, Twist2, angle};
+use loc_filters::RobotSettings;
 use loc_filters::delayed::Delayed;
 use loc_filters::localizer::{Decision, Localizer};
 use loc_filters::slam::{EkfSlam, Identities, MapLandmark, MapSettings, SlamSettings};
@@ -22,7 +23,9 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
 fn settings(particles: usize) -> FastSlamSettings {
     let observation_noise =
         LandmarkNoise { range_sigma: 0.1, bearing_sigma: 0.05, ..Default::default() };
-    FastSlamSettings::default().robot(RobotSettings::default().camera(observation_noise)).particles(particles)
+    FastSlamSettings::default()
+        .robot(RobotSettings::default().camera(observation_noise))
+        .particles(particles)
 }
 
 fn slam(settings: FastSlamSettings) -> FastSlam {
@@ -113,7 +116,8 @@ fn a_landmark_is_averaged_by_hand() {
 fn one_particle_without_noise_is_the_kalman_filter() {
     let none = VelocityNoise::NONE;
     let own = settings(1).robot(settings(1).robot.odometry(none));
-    let theirs = SlamSettings::default().robot(RobotSettings::default().odometry(none).camera(own.observation_noise));
+    let theirs = SlamSettings::default()
+        .robot(RobotSettings::default().odometry(none).camera(own.robot.camera));
     let (mut fast, mut ekf) = (slam(own), EkfSlam::new(certain(), theirs).unwrap());
     for (k, (twist, observations)) in round(4, &none, 1).moments.iter().enumerate() {
         let mut observations = observations.clone();
@@ -344,7 +348,7 @@ fn bad_input_is_refused_and_changes_nothing() {
         base.miss_share(1.5),
         base.resample_below(f64::NAN),
         base.robot(base.robot.mounting(Pose2 { theta: f64::NAN, ..ORIGIN })),
-        base.robot(base.robot.camera(LandmarkNoise { range_sigma: 0.0, ..base.observation_noise })),
+        base.robot(base.robot.camera(LandmarkNoise { range_sigma: 0.0, ..base.robot.camera })),
         base.map(base.map.miss_cost(-1.0)),
     ];
     for settings in wrong {

@@ -4,6 +4,7 @@ use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Gaussian, Pose2, Twist2, angle, gaussian::pose_belief};
 use loc_filters::Localizer;
+use loc_filters::RobotSettings;
 use loc_filters::delayed::Delayed;
 use loc_maps::{Landmark, LandmarkMap};
 use loc_pf::landmark_mcl::RecoverySettings;
@@ -41,7 +42,8 @@ fn camera() -> LandmarkCamera {
 }
 
 fn settings() -> LandmarkMclSettings {
-    LandmarkMclSettings::default().robot(RobotSettings::default().odometry(noise())).particles(1000).sights(ObservationModel { noise: camera().noise, ..ObservationModel::default() })
+    let robot = RobotSettings::default().odometry(noise()).camera(camera().noise);
+    LandmarkMclSettings::default().robot(robot).particles(1000)
 }
 
 /// A robot that drives a loop among the landmarks.
@@ -200,8 +202,8 @@ fn misread_numbers_do_not_mislead() {
             let mut drive = Drive::new(seed);
             drive.camera.wrong_identity_probability = misread;
             let steps: Vec<Step> = (0..300).map(|_| drive.step()).collect();
-            let sights = ObservationModel { outlier_share, ..settings().sights };
-            let mut filter = mcl(settings().sights(sights), seed);
+            let sights = settings().outlier_share(outlier_share);
+            let mut filter = mcl(sights, seed);
             mean(judged(&mut filter, &steps).iter().map(|e| e.0))
         });
         mean(errors.collect::<Vec<_>>().into_iter())

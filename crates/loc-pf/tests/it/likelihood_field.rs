@@ -167,10 +167,6 @@ fn beam_skip_costs_nothing_without_people() {
 fn bad_beam_skips_are_refused() {
     let good = BeamSkip::default();
     assert!(good.check().is_ok());
-    let bad = [
-        good.distance(0.0),
-        good.threshold(1.1),
-        good.error_threshold(f64::NAN),
-    ];
+    let bad = [good.distance(0.0), good.threshold(1.1), good.error_threshold(f64::NAN)];
     assert!(bad.iter().all(|skip| skip.check().is_err()));
 }

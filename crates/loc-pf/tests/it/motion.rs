@@ -164,7 +164,9 @@ fn velocity_noise_has_the_covariance_asked_for() {
     let (mean, covariance) = moments(&step, Pose2::IDENTITY, 3);
     assert_same((mean, covariance), (twist.to_vector() * dt, control * dt * dt));
     // The error model of the lectures, through the exact arc, against draws of the velocity.
-    let noise = VelocityNoise { k_d: 0.01, k_theta: 0.02, k_drift: 0.005 };
+    let noise =
+        VelocityNoise::from_sigmas(0.1, (0.02 * std::f64::consts::TAU).sqrt(), 0.005_f64.sqrt())
+            .unwrap();
     let step = VelocityStep::new(twist, dt, &noise, Integration::ExactArc).unwrap();
     let belief = loc_core::Gaussian::new(twist.to_vector(), noise.covariance(twist, dt)).unwrap();
     let one_by_one = |pose: Pose2, rng: &mut ChaCha8Rng| {

@@ -176,8 +176,7 @@ fn the_entropy_filter_keeps_walls_and_leaves_out_who_pulls() {
     let (grid, mut rng) = (office(), stream(7, "entropy"));
     let field = LikelihoodField::new(&grid, &LikelihoodFieldSettings::nav2()).unwrap();
     let caster = RayCaster::new(&grid);
-    let model =
-        BeamModel::new(&BeamModelSettings::default().max_range(20.0)).unwrap();
+    let model = BeamModel::new(&BeamModelSettings::default().max_range(20.0)).unwrap();
     let (scan, short) = scan(&grid, TRUTH, 0.4, &mut rng);
     let mounted = MountedScan { scan: &scan, mounting: Pose2::IDENTITY };
     let cloud = cloud(TRUTH, [0.1, 0.1, 0.05], &mut rng);
@@ -221,8 +220,7 @@ fn tracked(grid: &OccupancyGrid, blocked: f64, filtered: bool, seed: u64) -> f64
     let start = Particles::from_gaussian(&pose_belief(truth, [0.1, 0.1, 0.05]), 400, &mut rng);
     let mut filter = ParticleFilter::new(start, stream(seed, "filter"));
     // No short part: the model of a robot that knows of no people.
-    let settings =
-        BeamModelSettings::default().z_short(0.0).z_rand(0.05).z_hit(0.9);
+    let settings = BeamModelSettings::default().z_short(0.0).z_rand(0.05).z_hit(0.9);
     let mut errors = 0.0;
     for _ in 0..20 {
         truth = truth * step;

@@ -16,7 +16,14 @@ use rand::RngExt;
 const NOTHING: f64 = f64::INFINITY;
 
 fn truth() -> BeamModelSettings {
-    BeamModelSettings::default().z_hit(0.7).z_short(0.15).z_max(0.06).z_rand(0.09).sigma_hit(0.08).lambda_short(0.4).max_range(10.0)
+    BeamModelSettings::default()
+        .z_hit(0.7)
+        .z_short(0.15)
+        .z_max(0.06)
+        .z_rand(0.09)
+        .sigma_hit(0.08)
+        .lambda_short(0.4)
+        .max_range(10.0)
 }
 
 /// What a range finder with these parameters measures.
@@ -131,9 +138,7 @@ fn what_cannot_be_fitted_is_refused() {
 #[test]
 fn the_histogram_tells_the_density_it_was_drawn_from() {
     let mut histogram = PerceptualHistogram::new(10.0, 0.1).unwrap();
-    pairs(400_000, &truth().sigma_hit(0.2), 5)
-        .into_iter()
-        .for_each(|pair| histogram.add(pair));
+    pairs(400_000, &truth().sigma_hit(0.2), 5).into_iter().for_each(|pair| histogram.add(pair));
     let model = histogram.model();
     let real = BeamModel::new(&truth().sigma_hit(0.2)).unwrap();
     for (expected, measured) in [

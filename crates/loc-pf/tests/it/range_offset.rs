@@ -60,8 +60,7 @@ fn a_fixed_offset_is_used_as_it_is_and_checked() {
     let (mcl, _) = drive(1, 0.05, RangeOffset::Fixed(0.05));
     assert_eq!((mcl.range_offset(), mcl.range_offset_estimate().scans()), (0.05, 0));
     for wrong in [f64::NAN, 0.2, f64::NEG_INFINITY] {
-        let settings =
-            MclSettings::default().range_offset(RangeOffset::Fixed(wrong));
+        let settings = MclSettings::default().range_offset(RangeOffset::Fixed(wrong));
         let error = Mcl::new(&office(1), settings, stream(1, "mcl")).unwrap_err().to_string();
         assert!(error.contains("range_offset [m]"), "{error}");
     }

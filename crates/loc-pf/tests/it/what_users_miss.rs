@@ -63,7 +63,8 @@ fn point_01_random_particles_are_injected_by_the_averages_too() {
     let map = office(1);
     let mut robot = Robot::new(&map, Robot::laser(), 3);
     let augmented = AugmentedSettings::default().alpha_slow(0.05).alpha_fast(0.5);
-    let recovery = RecoverySettings::default().search(false).suspicion(None).augmented(Some(augmented));
+    let recovery =
+        RecoverySettings::default().search(false).suspicion(None).augmented(Some(augmented));
     let settings = MclSettings::default().recovery(recovery);
     let mut mcl = tracking(&map, &robot, settings, 3);
     drive(&mut mcl, &mut robot, 10);
@@ -180,8 +181,7 @@ fn point_06_no_underflow_with_720_beams() {
         SensorSettings::Beam(BeamModelSettings::default()),
     ] {
         let mut robot = Robot::new(&map, laser, 2);
-        let settings =
-            MclSettings::default().beams(720).independent_beams(720.0).sensor(sensor);
+        let settings = MclSettings::default().beams(720).independent_beams(720.0).sensor(sensor);
         let mut mcl = tracking(&map, &robot, settings, 2);
         drive(&mut mcl, &mut robot, 6);
         assert!(mcl.particles().log_weights().iter().all(|weight| !weight.is_nan()));
@@ -283,8 +283,7 @@ fn point_10_several_lasers_anywhere_on_the_robot_in_every_model() {
 fn point_11_a_compact_particle_set_needs_the_minimum_number() {
     let map = office(1);
     let mut robot = Robot::new(&map, Robot::laser(), 7);
-    let particles =
-        KldSettings::default().min_particles(120).max_particles(20_000);
+    let particles = KldSettings::default().min_particles(120).max_particles(20_000);
     let mut mcl = tracking(&map, &robot, MclSettings::default().particles(particles), 7);
     assert_eq!(mcl.particles().len(), 20_000);
     drive(&mut mcl, &mut robot, 5);
@@ -328,8 +327,7 @@ fn point_14_the_same_seed_gives_the_same_result_for_any_number_of_threads() {
     let run = |threads: usize| {
         let map = office(1);
         let mut robot = Robot::new(&map, Robot::laser(), 10);
-        let particles =
-            KldSettings::default().min_particles(3000).max_particles(5000);
+        let particles = KldSettings::default().min_particles(3000).max_particles(5000);
         let settings = MclSettings::default().threads(threads).particles(particles);
         let mut mcl = Mcl::new(&map, settings, stream(10, "mcl")).unwrap();
         step(&mut mcl, &mut robot);

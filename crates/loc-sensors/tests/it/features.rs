@@ -163,8 +163,7 @@ fn covariance_by_hand() {
         ranges: angles.map(|a| 2.0 / f64::cos(a)).to_vec(),
         intensities: Vec::new(),
     };
-    let settings =
-        extractor(0.1).min_points(3).min_length(0.0).max_alpha_sigma(9.0);
+    let settings = extractor(0.1).min_points(3).min_length(0.0).max_alpha_sigma(9.0);
     let lines = settings.extract(&scan).unwrap();
     assert_eq!((lines.len(), lines[0].points), (1, 3));
     assert_relative_eq!(lines[0].r, 2.0, epsilon = 1e-9);

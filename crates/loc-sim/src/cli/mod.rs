@@ -13,6 +13,8 @@ pub mod sense;
 mod show;
 pub mod study;
 
+use crate::Result;
+use crate::localizer::MethodSettings;
 use clap::{Parser, Subcommand};
 use std::io::Write;
 
@@ -106,6 +108,18 @@ pub fn print(text: &str) -> anyhow::Result<()> {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => Ok(result?),
     }
+}
+
+/// The text of a configuration, and below it all settings of the methods in effect, as comments.
+///
+/// # Errors
+/// A number that TOML has no form for.
+pub fn with_effective(text: &str, settings: &MethodSettings) -> Result<String> {
+    let all = settings.to_toml()?;
+    let comments = all.lines().map(|line| format!("# {line}").trim_end().to_owned());
+    let comments: Vec<String> = comments.collect();
+    let text = text.trim_end();
+    Ok(format!("{text}\n\n# All settings of the methods in effect:\n#\n{}", comments.join("\n")))
 }
 
 /// An error with its chain of causes in one line; a cause that the line contains already is left out.

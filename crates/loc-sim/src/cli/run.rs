@@ -17,7 +17,7 @@ pub struct RunArgs {
     /// Seed, in place of the scenario's.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Print the scenario as TOML instead of running it.
+    /// Print the scenario as TOML instead of running it, with all settings in effect as comments.
     #[arg(long)]
     pub print_config: bool,
     /// Methods, settings and output.
@@ -37,9 +37,6 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
     } else {
         builtin::text(name)?.to_owned()
     };
-    if args.print_config {
-        return super::print(text.trim_end());
-    }
     let changes = &args.output.changes;
     let mut scenario = if is_file {
         Scenario::read(Path::new(name), changes)?
@@ -47,6 +44,12 @@ pub fn run(args: &RunArgs, global: &Global) -> anyhow::Result<()> {
         Scenario::named(name, changes)?
     };
     scenario.threads = global.threads;
+    if args.print_config {
+        let settings = scenario.settings()?;
+        let has_methods = !scenario.methods.is_empty();
+        let all = if has_methods { super::with_effective(&text, &settings)? } else { text };
+        return super::print(all.trim_end());
+    }
     let seed = args.seed.unwrap_or(scenario.seed);
     if let Some(illustration) = scenario.illustrate(seed)? {
         return show_illustration(&illustration, (&scenario, &text), &args.output, global);

@@ -112,25 +112,18 @@ impl Mcl1dConfig {
         let equal = 1.0 / self.particles as f64;
         let weights = || stage.particles.iter().map(|&(place, weight)| (place, weight / equal));
         let highest = weights().map(|(_, weight)| weight).fold(0.0, f64::max);
-        panel(
-            stage.name,
-            (&self.doors, HALF_DOOR),
-            self.length,
-            highest,
-            stage.truth,
-            |chart| {
-                let chart = chart.stems(Role::Method(0).width(0.7), "particle", weights());
-                if !stage.weighed {
-                    return chart;
-                }
-                // Right before a door the report is as likely as it can be.
-                let doors = self.doors.iter().map(|&door| self.likelihood(door));
-                let scale = highest / doors.fold(0.0, f64::max);
-                let curve = (0..=400).map(|k| self.length * f64::from(k) / 400.0);
-                let curve = curve.map(|place| (place, scale * self.likelihood(place)));
-                chart.line(Role::Method(1), "likelihood of seeing a door (its own scale)", curve)
-            },
-        )
+        panel(stage.name, (&self.doors, HALF_DOOR), self.length, highest, stage.truth, |chart| {
+            let chart = chart.stems(Role::Method(0).width(0.7), "particle", weights());
+            if !stage.weighed {
+                return chart;
+            }
+            // Right before a door the report is as likely as it can be.
+            let doors = self.doors.iter().map(|&door| self.likelihood(door));
+            let scale = highest / doors.fold(0.0, f64::max);
+            let curve = (0..=400).map(|k| self.length * f64::from(k) / 400.0);
+            let curve = curve.map(|place| (place, scale * self.likelihood(place)));
+            chart.line(Role::Method(1), "likelihood of seeing a door (its own scale)", curve)
+        })
     }
 }
 
@@ -161,7 +154,7 @@ impl Demonstration for Mcl1dConfig {
             let name = stage.name;
             lines.push(format!("{name:<24}{mean:>10.2}{sigma:>11.2}{:>10.1} %", 100.0 * near));
             stages.push(json!({"stage": name, "truth_m": stage.truth, "mean_m": mean,
-                "sigma": sigma, "share_near_truth": near}));
+                "sigma_m": sigma, "share_near_truth": near}));
             figure = figure.panel(self.panel(stage));
         }
         let caption = "Particles with their weights in a corridor with doors, in five stages";
@@ -312,7 +305,7 @@ impl Demonstration for DoorCorridorConfig {
             let moments = format!("{truth:>11.2}{likely:>13.2}{mean:>8.2}{sigma:>8.2}");
             lines.push(format!("{name:<24}{moments}{:>12.1} %", 100.0 * near));
             steps.push(json!({"step": name, "truth_m": truth, "most_likely_m": likely,
-                "mean_m": mean, "sigma": sigma, "share_near_truth": near}));
+                "mean_m": mean, "sigma_m": sigma, "share_near_truth": near}));
             figure = figure.panel(self.panel(step));
         }
         let summary = json!({"cells": all[0].belief.probabilities().len(), "steps": steps});

@@ -135,7 +135,7 @@ impl Demonstration for LaterationConfig {
             lines.extend(room.cautions.iter().map(|caution| format!("  {}", words(caution))));
         }
         let summaries: Vec<Value> = rooms.iter().map(Room::summary).collect();
-        let summary = json!({"range_sigma": self.range_sigma, "rooms": summaries});
+        let summary = json!({"range_sigma_m": self.range_sigma, "rooms": summaries});
         Ok(Illustration::new(lines, summary, vec![self.draw(&rooms, title)]))
     }
 }
@@ -168,7 +168,7 @@ impl Room {
         json!({
             "name": self.name,
             "coordinates": if self.dimension == 2 { ["x", "y"] } else { ["x", "z"] },
-            "robot": self.robot.as_slice(),
+            "robot_m": self.robot.as_slice(),
             "place_m": self.best.mean.as_slice(),
             "other_place_m": self.other.as_ref().map(|other| other.mean.as_slice()),
             "dilution": self.dilution,

@@ -27,7 +27,7 @@ pub struct MapsConfig {
     /// The world.
     pub world: WorldConfig,
     /// The field.
-    #[serde(default)]
+    #[serde(default = "LikelihoodFieldSettings::nav2")]
     pub field: LikelihoodFieldSettings,
 }
 

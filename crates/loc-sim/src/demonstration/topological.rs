@@ -97,8 +97,7 @@ impl TopologicalTour {
         let filter = TopologicalFilter::new(map.clone())?;
         let mut drive =
             Drive { filter, views, steps: Vec::new(), distance: 0.0, distance_at_step: 0.0 };
-        drive
-            .follow(SimulatedTour::new("topological", &config.tour, seed)?, config.look_every)?;
+        drive.follow(SimulatedTour::new("topological", &config.tour, seed)?, config.look_every)?;
         Ok(TopologicalTour { grid: world.grid().clone(), map, steps: drive.steps })
     }
 }

@@ -110,7 +110,8 @@ impl MethodSettings {
         }
         let mut all = Value::try_from(self).map_err(|e| wrong(&e))?;
         merge(&mut all, Value::Table(given));
-        let read: MethodSettings = all.try_into().map_err(|e: toml::de::Error| wrong(&e.message()))?;
+        let read: MethodSettings =
+            all.try_into().map_err(|e: toml::de::Error| wrong(&e.message()))?;
         read.check()?;
         let MethodSettings { rail, also_global, seed, .. } = self.clone();
         Ok(MethodSettings { rail, also_global, seed, ..read })

@@ -179,7 +179,8 @@ pub(super) fn recovery(given: &mut NodeParameters, mcl: &mut MclSettings) -> Res
                 .into());
         }
         (Some(slow), Some(fast)) => {
-            let settings = AugmentedSettings::default().alpha_slow(slow.value).alpha_fast(fast.value);
+            let settings =
+                AugmentedSettings::default().alpha_slow(slow.value).alpha_fast(fast.value);
             mcl.recovery.augmented = Some(settings);
         }
         (Some(slow), None) => {
@@ -246,7 +247,9 @@ pub(super) fn laser(given: &mut NodeParameters, mcl: &mut MclSettings) -> Result
         given.warn(model.line, "laser_model_type", reason);
     }
     given.ignore(&OF_THE_BEAM_MODEL, "belongs to the beam model, which is not used");
-    mcl.sensor = SensorSettings::LikelihoodField(field(given, max_range)?.weighting(Weighting::Product).beam_skip(skip));
+    mcl.sensor = SensorSettings::LikelihoodField(
+        field(given, max_range)?.weighting(Weighting::Product).beam_skip(skip),
+    );
     Ok(())
 }
 
@@ -274,7 +277,14 @@ fn field(given: &mut NodeParameters, max_range: Option<f64>) -> Result<FieldSett
 /// The beam model, whose defaults are those of nav2_amcl; its shares are made to add up to 1.
 fn beam_model(given: &mut NodeParameters, max_range: Option<f64>) -> Result<BeamModelSettings> {
     let own = BeamModelSettings::default();
-    Ok(own.sigma_hit(positive(given, "sigma_hit", "metres")?.unwrap_or(own.sigma_hit)).z_hit(share(given, "z_hit")?.unwrap_or(own.z_hit)).z_short(share(given, "z_short")?.unwrap_or(own.z_short)).z_max(share(given, "z_max")?.unwrap_or(own.z_max)).z_rand(share(given, "z_rand")?.unwrap_or(own.z_rand)).lambda_short(positive(given, "lambda_short", "1/m")?.unwrap_or(own.lambda_short)).max_range(max_range.unwrap_or(own.max_range)))
+    Ok(own
+        .sigma_hit(positive(given, "sigma_hit", "metres")?.unwrap_or(own.sigma_hit))
+        .z_hit(share(given, "z_hit")?.unwrap_or(own.z_hit))
+        .z_short(share(given, "z_short")?.unwrap_or(own.z_short))
+        .z_max(share(given, "z_max")?.unwrap_or(own.z_max))
+        .z_rand(share(given, "z_rand")?.unwrap_or(own.z_rand))
+        .lambda_short(positive(given, "lambda_short", "1/m")?.unwrap_or(own.lambda_short))
+        .max_range(max_range.unwrap_or(own.max_range)))
 }
 
 /// Beams left out, if the file says so.
@@ -292,7 +302,12 @@ fn beam_skip(given: &mut NodeParameters) -> Result<Option<BeamSkip>> {
     let threshold = part(threshold)?.unwrap_or(own.threshold);
     let error_threshold = part(error_threshold)?.unwrap_or(own.error_threshold);
     let distance = positive(given, OF_SKIPPING[0], "metres")?.unwrap_or(own.distance);
-    Ok(Some(BeamSkip::default().distance(distance).threshold(threshold).error_threshold(error_threshold)))
+    Ok(Some(
+        BeamSkip::default()
+            .distance(distance)
+            .threshold(threshold)
+            .error_threshold(error_threshold),
+    ))
 }
 
 /// nav2_amcl skips no beams with the other models either.

@@ -2,7 +2,7 @@
 //!
 //! A scenario is a TOML file; the built-in ones are files of the same kind, compiled in, so any
 //! of them can be printed, changed and run. Numbers are in SI units and radians; an angle may also be a
-//! text, `"6 deg"`.
+//! text, `'6 deg'`.
 //!
 //! ```
 //! use loc_sim::scenario::{self, Scenario};
@@ -243,6 +243,15 @@ impl Scenario {
         }
         let rail = self.rail.as_ref().map(RailConfig::settings).unwrap_or_default();
         Ok(MethodSettings { rail, seed: self.seed, also_global: self.compare, ..settings })
+    }
+
+    /// Changes a setting of the methods, as `--set filter.KEY=VALUE` does on the command line.
+    ///
+    /// # Errors
+    /// [`Error::Config`] for text that is no `KEY=VALUE`, and for settings that are not valid.
+    pub fn set_filter(&mut self, change: &str) -> Result<()> {
+        config::change(&mut self.filter, change)?;
+        self.settings().map(|_| ())
     }
 
     /// What a scenario shows that needs no method; `None` for one that [`run`](Scenario::run) is

@@ -62,8 +62,7 @@ impl SimulatedRail {
     fn drive(&mut self) {
         let dt = self.config.time_step;
         let noise: f64 = StandardNormal.sample(&mut self.world);
-        let acceleration =
-            self.config.acceleration + self.config.acceleration_sigma * noise;
+        let acceleration = self.config.acceleration + self.config.acceleration_sigma * noise;
         self.state =
             Matrix2::new(1.0, dt, 0.0, 1.0) * self.state + Vector2::new(0.0, dt * acceleration);
         self.step += 1;

@@ -138,7 +138,7 @@ const FIXED: [&str; 6] = ["name", "title", "ids", "seed", "methods", "also_in_fr
 /// let axis: Axis = "laser.sigma=0.01:0.05:3".parse()?;
 /// let values: Vec<String> = axis.values().iter().map(ToString::to_string).collect();
 /// assert_eq!((axis.key(), values.join(" ")), ("laser.sigma", "0.01 0.03 0.05".into()));
-/// assert_eq!("filter.integration=euler,midpoint".parse::<Axis>()?.values().len(), 2);
+/// assert_eq!("filter.robot.integration=euler,midpoint".parse::<Axis>()?.values().len(), 2);
 /// # Ok::<(), loc_sim::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]

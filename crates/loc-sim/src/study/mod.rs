@@ -9,7 +9,7 @@
 //! use loc_sim::localizer::Method;
 //! use loc_sim::study::{Study, StudyOptions, StudySource};
 //! let source = StudySource::named("landmark-drive", &[])?;
-//! let vary = vec!["filter.gate_probability=0.9,0.999".parse()?];
+//! let vary = vec!["filter.robot.gate_probability=0.9,0.999".parse()?];
 //! let options = StudyOptions { runs: 3, vary, methods: vec![Method::Ekf], ..Default::default() };
 //! let study = Study::new(source, options)?;
 //! let folder = std::env::temp_dir().join(format!("loc-sim-study-{}", std::process::id()));

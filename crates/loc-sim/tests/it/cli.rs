@@ -233,7 +233,7 @@ fn quiet_is_quiet_and_list_lists() {
 fn an_illustration_is_written_like_a_run() {
     let folder = TempDir::new().unwrap();
     let arguments =
-        ["run", "probability-map", "--json", "--set", "probability_map.step_m=0.5", "--out", "o"];
+        ["run", "probability-map", "--json", "--set", "probability_map.step=0.5", "--out", "o"];
     let json = stdout(&loc_sim(folder.path(), &arguments));
     let summary: Value = serde_json::from_str(&json).unwrap();
     assert!(summary["error_m"].is_f64() && summary["beams"] == 60);

@@ -31,13 +31,13 @@ fn standing() -> DiversityConfig {
 /// The posterior on a fine grid, by Bayes and a convolution.
 fn exact_share_near_truth(config: &Mcl1dConfig) -> f64 {
     const STEP: f64 = 0.02;
-    let count = (config.length_m / STEP).round() as usize;
+    let count = (config.length / STEP).round() as usize;
     let place = |k: usize| (k as f64 + 0.5) * STEP;
     let first: Vec<f64> = (0..count).map(|k| config.likelihood(place(k))).collect();
     let mut after = vec![0.0; count];
     for (k, weight) in first.iter().enumerate() {
-        let mean = place(k) + config.drive_m;
-        let normal = |x: f64| (-0.5 * ((x - mean) / config.drive_sigma_m).powi(2)).exp();
+        let mean = place(k) + config.drive;
+        let normal = |x: f64| (-0.5 * ((x - mean) / config.drive_sigma).powi(2)).exp();
         let total: f64 = (0..3 * count).map(|j| normal(place(j))).sum();
         for j in 0..3 * count {
             // What would lie behind the wall stands at it.
@@ -45,7 +45,7 @@ fn exact_share_near_truth(config: &Mcl1dConfig) -> f64 {
         }
     }
     let weighed = |k: usize| after[k] * config.likelihood(place(k));
-    let truth = config.start_m + config.drive_m;
+    let truth = config.start + config.drive;
     let near = (0..count).filter(|&k| (place(k) - truth).abs() <= 1.0).map(weighed).sum::<f64>();
     near / (0..count).map(weighed).sum::<f64>()
 }
@@ -140,31 +140,31 @@ fn figures_are_written_and_the_same_for_the_same_seed() {
 fn bad_values_name_their_key() {
     for (name, change, message) in [
         ("mcl-1d", "particles=0", "demonstration.particles: expected 1 to 100000, got `0`"),
-        ("mcl-1d", "doors_m=[25.0]", "demonstration.doors_m: expected a place in the corridor"),
-        ("mcl-1d", "drive_m=17.0", "start_m + drive_m: expected a place in the corridor, got `21`"),
+        ("mcl-1d", "doors=[25.0]", "demonstration.doors: expected a place in the corridor"),
+        ("mcl-1d", "drive=17.0", "start + drive: expected a place in the corridor, got `21`"),
         ("mcl-1d", "false_door=0.0", "demonstration.false_door: expected a finite number > 0"),
         ("mailbox", "mail_comes=1.5", "demonstration.mail_comes: expected a probability"),
         ("mailbox", "flags=[]", "demonstration.flags: expected 1 to 366 days, got `0`"),
         ("mailbox", "flags=[\"red\"]", "unknown variant `red`"),
-        ("door-corridor", "drives_m=[3.0, 30.0]", "start_m + drives_m: expected a place"),
-        ("door-corridor", "cell_m=0.0", "demonstration.cell_m: expected a finite number > 0"),
-        ("door-corridor", "cell_m=1e-9", "cells of the corridor: expected at most 1e7"),
+        ("door-corridor", "drives=[3.0, 30.0]", "start + drives: expected a place"),
+        ("door-corridor", "cell=0.0", "demonstration.cell: expected a finite number > 0"),
+        ("door-corridor", "cell=1e-9", "cells of the corridor: expected at most 1e7"),
         ("door-corridor", "false_door=0.0", "expected a number above 0 and below 1"),
         ("diversity", "steps=0", "demonstration.steps: expected 1 to 100000, got `0`"),
         ("diversity", "effective_share=2.0", "effective share of the particles"),
         ("diversity", "kind=\"magic\"", "unknown variant `magic`"),
         ("diversity", "colour=1", "unknown field `colour`"),
         ("lateration", "draws=0", "demonstration.draws: expected 1 to 100000, got `0`"),
-        ("lateration", "range_sigma_m=0", "demonstration.range_sigma_m: expected a finite number"),
+        ("lateration", "range_sigma=0", "demonstration.range_sigma: expected a finite number"),
         ("lateration", "rooms=[]", "demonstration.rooms: expected 1 to 12, got `0`"),
         (
             "lateration",
-            "rooms=[{name=\"x\",robot_m=[1.0],landmarks_m=[]}]",
-            "demonstration.rooms.robot_m: expected 2 or 3 coordinates, got `[1.0] in x`",
+            "rooms=[{name=\"x\",robot=[1.0],landmarks=[]}]",
+            "demonstration.rooms.robot: expected 2 or 3 coordinates, got `[1.0] in x`",
         ),
         (
             "lateration",
-            "rooms=[{name=\"x\",robot_m=[1.0,2.0],landmarks_m=[[1.0,2.0,3.0]]}]",
+            "rooms=[{name=\"x\",robot=[1.0,2.0],landmarks=[[1.0,2.0,3.0]]}]",
             "expected places of 2 finite coordinates, as the robot has, got `[1.0, 2.0, 3.0] in x`",
         ),
     ] {
@@ -233,8 +233,7 @@ fn the_corridor_is_told_apart_by_its_doors() {
     else {
         panic!("no corridor");
     };
-    let sure =
-        DoorCorridorConfig { sees_door: 1.0, false_door: 1e-9, drive_sigma_m: 0.05, ..config };
+    let sure = DoorCorridorConfig { sees_door: 1.0, false_door: 1e-9, drive_sigma: 0.05, ..config };
     for seed in 0..20 {
         let steps = sure.steps(seed).unwrap();
         assert_eq!(steps.len(), 8);

@@ -23,7 +23,7 @@ fn summary(run: &Run) -> Summary {
 
 #[test]
 fn in_the_office_it_finds_the_robot_and_draws_its_belief() {
-    let changes = ["tour.duration_s=6.0", "tour.laser.max_range_m=20.0"].map(str::to_owned);
+    let changes = ["tour.duration=6.0", "tour.laser.max_range=20.0"].map(str::to_owned);
     let scenario = Scenario::named("grid-localization", &changes).unwrap();
     let run = scenario.run(None, None, &mut |_| {}).unwrap();
     let record = &run.methods[0];
@@ -191,7 +191,7 @@ fn on_intel_it_is_found_from_every_third_scan() {
 #[test]
 fn the_topological_map_gives_the_room() {
     for seed in [2, 3] {
-        let changes = ["demonstration.views=150", "demonstration.tour.duration_s=80.0"];
+        let changes = ["demonstration.views=150", "demonstration.tour.duration=80.0"];
         let changes = changes.map(str::to_owned);
         let scenario = Scenario::named("topological-localization", &changes).unwrap();
         let shown = scenario.illustrate(seed).unwrap().unwrap();
@@ -206,5 +206,5 @@ fn the_topological_map_gives_the_room() {
         scenario.and_then(|s| s.illustrate(1).map(|_| ())).unwrap_err().to_string()
     };
     assert!(error("demonstration.views=0").contains("demonstration.views"));
-    assert!(error("demonstration.look_every_m=-1.0").contains("demonstration.look_every_m"));
+    assert!(error("demonstration.look_every=-1.0").contains("demonstration.look_every"));
 }

@@ -1,5 +1,6 @@
 //! The methods `ukf` (compared with `ekf`) and `fusion`, simulated and on recordings.
 
+use loc_filters::RobotSettings;
 use loc_sim::localizer::Method;
 use loc_sim::metrics::{Alignment, Consistency, Summary};
 use loc_sim::output::figures;
@@ -37,11 +38,9 @@ fn a_real_robot_is_followed_as_by_the_ekf() {
     };
     let config = RecordingConfig::parse("settings", recording::MRCLAM, &[]).unwrap();
     let source = Mrclam::open(data.join("mrclam/MRCLAM_Dataset6"), 4).unwrap();
-    let mut source =
-        Calibrated::new(source, config.odometry_calibration(), config.camera_calibration())
-            .unwrap();
+    let mut source = Calibrated::new(source, config.odometry, config.camera).unwrap();
     let methods = [Method::Ekf, Method::Ukf];
-    let settings = config.settings().unwrap();
+    let settings = config.settings(RobotSettings::default()).unwrap();
     let run = runner::run(&mut source, &methods, &settings, &mut |_| {}).unwrap();
     let summary = Summary::of(&run, None, Alignment::None).unwrap();
     let rmse: Vec<f64> =
@@ -68,13 +67,13 @@ fn fused(scenario: &Scenario, seed: u64) -> Run {
 
 /// A drive of 40 s with 15 s without satellites, at a coarser step.
 const SHORT: [&str; 6] = [
-    "outdoor.time_step_s=0.05",
-    "outdoor.course=[{ duration_s = 18.0, v_m_s = 1.2, omega_deg_s = 4.0 }, \
-     { duration_s = 22.0, v_m_s = 1.0, omega_deg_s = -6.0 }]",
-    "outdoor.satellites.silent_s=[[15.0, 30.0]]",
-    "outdoor.satellites.latency_s=0.3",
-    "outdoor.radio.silent_s=[[15.0, 30.0]]",
-    "outdoor.inertial.silent_s=[[33.0, 36.0]]",
+    "outdoor.time_step=0.05",
+    "outdoor.course=[{ duration = 18.0, v = 1.2, omega = '4 deg/s' }, \
+     { duration = 22.0, v = 1.0, omega = '-6 deg/s' }]",
+    "outdoor.satellites.silent=[[15.0, 30.0]]",
+    "outdoor.satellites.latency=0.3",
+    "outdoor.radio.silent=[[15.0, 30.0]]",
+    "outdoor.inertial.silent=[[33.0, 36.0]]",
 ];
 
 fn sigma(run: &Run, stamp: f64) -> f64 {
@@ -141,11 +140,11 @@ fn any_sensor_may_be_missing() {
 #[test]
 fn wrong_settings_name_their_key() {
     let wrong = [
-        ("outdoor.satellites.every_s=0.03", "outdoor.satellites.every_s"),
+        ("outdoor.satellites.every=0.03", "outdoor.satellites.every"),
         ("outdoor.radio.scale=0.0", "outdoor.radio.scale"),
-        ("outdoor.compass.sigma_deg=-1.0", "outdoor.compass.sigma_deg"),
-        ("outdoor.wheels.silent_s=[[3.0, 2.0]]", "silent_s"),
-        ("outdoor.satellites.white_sigma_m=0.0", "white sigma"),
+        ("outdoor.compass.sigma='-1 deg'", "outdoor.compass.sigma"),
+        ("outdoor.wheels.silent=[[3.0, 2.0]]", "silent_s"),
+        ("outdoor.satellites.white_sigma=0.0", "white sigma"),
         ("outdoor.course=[]", "outdoor.course"),
     ];
     for (change, key) in wrong {
@@ -157,8 +156,9 @@ fn wrong_settings_name_their_key() {
 /// Position RMSE over a whole recording, and its NEES of 2 numbers.
 fn replayed(mut source: RangeRecording) -> (f64, f64) {
     let config = RecordingConfig::parse("settings", recording::RANGING, &[]).unwrap();
-    let mut settings = config.settings().unwrap();
-    settings.landmark.observation_noise = source.noise();
+    let settings = config.settings(RobotSettings::default()).unwrap();
+    let robot = settings.robot.camera(source.noise());
+    let settings = settings.with_robot(robot);
     let methods = [Method::Fusion];
     assert!(source.has_truth());
     let run = runner::run(&mut source, &methods, &settings, &mut |_| {}).unwrap();

@@ -1,5 +1,6 @@
 //! `mcl` among landmarks: beside the extended Kalman filter, from anywhere, on legs.
 
+use loc_filters::RobotSettings;
 use loc_sim::localizer::{Method, MethodSettings};
 use loc_sim::metrics::{Alignment, Summary};
 use loc_sim::output;
@@ -25,10 +26,9 @@ fn replay(robot: u32, methods: &[Method], seed: u64, global: bool) -> Option<Run
     let folder = Path::new(&folder).join("mrclam/MRCLAM_Dataset6");
     let config = RecordingConfig::parse("mrclam", recording::MRCLAM, &[]).unwrap();
     let source = Mrclam::open(folder, robot).unwrap();
-    let mut source =
-        Calibrated::new(source, config.odometry_calibration(), config.camera_calibration())
-            .unwrap();
-    let settings = MethodSettings { seed, global, ..config.settings().unwrap() };
+    let mut source = Calibrated::new(source, config.odometry, config.camera).unwrap();
+    let settings =
+        MethodSettings { seed, global, ..config.settings(RobotSettings::default()).unwrap() };
     Some(runner::run(&mut source, methods, &settings, &mut |_| {}).unwrap())
 }
 
@@ -122,13 +122,10 @@ fn aibo_finds_itself_on_the_field() {
 #[test]
 fn legs_and_worlds_are_checked() {
     for (change, message) in [
-        ("drive.wheels={track_m=0.4}", "drive.mecanum: expected one of them, got `several`"),
+        ("drive.wheels={track=0.4}", "drive.mecanum: expected one of them, got `several`"),
         ("drive.world.name=moon", "world: expected one of office, corridor"),
-        ("drive.landmarks=[{id=1,x_m=0.0,y_m=0.0}]", "none beside those of the world"),
-        (
-            "drive.course=[{duration_s=1.0,left_m_s=0.1,right_m_s=0.1}]",
-            "drive.course: expected v_m_s",
-        ),
+        ("drive.landmarks=[{id=1,x=0.0,y=0.0}]", "none beside those of the world"),
+        ("drive.course=[{duration=1.0,left=0.1,right=0.1}]", "drive.course: expected v_m_s"),
         ("filter.landmark_mcl.outlier_share=1.0", "share of outliers: expected a number in [0, 1)"),
         ("filter.landmark_mcl.particles=0", "particles: expected at least 1"),
     ] {
@@ -136,7 +133,7 @@ fn legs_and_worlds_are_checked() {
         assert!(matches!(error, Error::Config { .. }), "{error:?}");
         assert!(error.to_string().contains(message), "{error}");
     }
-    let sideways = "drive.course.0.sideways_m_s=0.1".to_owned();
+    let sideways = "drive.course.0.sideways=0.1".to_owned();
     let error = Scenario::named("landmark-drive", &[sideways]).unwrap_err().to_string();
     assert!(error.contains("drive.course: expected v_m_s"), "{error}");
 }

@@ -30,7 +30,7 @@ fn errors(run: &Run) -> (f64, f64) {
 
 #[test]
 fn in_the_office_it_is_within_millimetres() {
-    let scenario = scenario(&["tour.duration_s=8.0"]);
+    let scenario = scenario(&["tour.duration=8.0"]);
     let run = scenario.run(None, Some(&[Method::LineEkf]), &mut |_| {}).unwrap();
     let (position, heading) = errors(&run);
     assert!(position <= 0.02 && heading <= 0.3, "{position} m, {heading} deg");

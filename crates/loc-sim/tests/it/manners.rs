@@ -158,7 +158,7 @@ fn a_place_that_cannot_be_written_is_named() {
 
 /// Long enough that it can be stopped.
 fn long_run(folder: &Path, arguments: &str) -> Child {
-    let line = format!("run position-tracking --set tour.duration_s=3000 --out a/o {arguments}");
+    let line = format!("run position-tracking --set tour.duration=3000 --out a/o {arguments}");
     let mut command = Command::new(PROGRAM);
     command.current_dir(folder).args(line.trim().split(' '));
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
@@ -229,7 +229,7 @@ fn a_terminal_of_60_columns_is_enough() {
     let folder = TempDir::new().unwrap();
     for line in [
         "run landmark-drive --out o",
-        "run overview --set tour.duration_s=2 --out o",
+        "run overview --set tour.duration=2 --out o",
         "study landmark-drive --runs 3 --method ekf --out s",
         "list",
         "list --ids",

@@ -4,6 +4,7 @@
 
 use loc_core::random::stream;
 use loc_core::{Pose2, angle};
+use loc_filters::RobotSettings;
 use loc_filters::localizer::ParticleSet;
 use loc_maps::LikelihoodField;
 use loc_maps::grid::Occupancy;
@@ -161,7 +162,7 @@ fn figures(run: &Run) -> output::Folder {
 /// A1.
 #[test]
 fn position_tracking_follows_where_odometry_drifts_away() {
-    let run = run("position-tracking", &["tour.duration_s=60.0"]);
+    let run = run("position-tracking", &["tour.duration=60.0"]);
     let (mcl, odometry) = (errors(&run, Method::Mcl), errors(&run, Method::DeadReckoning));
     assert!(rmse(&mcl) < 0.1, "{}", rmse(&mcl));
     assert!(rmse(&odometry) > 1.0, "{}", rmse(&odometry));
@@ -173,7 +174,7 @@ fn position_tracking_follows_where_odometry_drifts_away() {
 /// A2, M3: the particle set starts all over the map and converges to the truth.
 #[test]
 fn global_localization_ends_at_the_truth() {
-    let run = run("global-localization", &["tour.duration_s=25.0"]);
+    let run = run("global-localization", &["tour.duration=25.0"]);
     let errors = errors(&run, Method::Mcl);
     let (first, last) = (errors[0].1, errors[errors.len() - 1].1);
     assert!(first > 1.0 && last < 0.2, "{first} {last}");
@@ -201,7 +202,7 @@ fn global_localization_ends_at_the_truth() {
 /// A3: relocalized after a kidnapping, whose jump is not part of the distance travelled.
 #[test]
 fn a_kidnapping_is_seen_in_errors_and_figures() {
-    let run = run("kidnapped-robot", &["tour.kidnap.at_s=10.0", "tour.duration_s=20.0"]);
+    let run = run("kidnapped-robot", &["tour.kidnap.at=10.0", "tour.duration=20.0"]);
     let of_mcl = errors(&run, Method::Mcl);
     let before = of_mcl.iter().filter(|(stamp, _)| *stamp < 9.95);
     assert!(before.clone().all(|(_, error)| *error < 0.6), "{before:?}");
@@ -218,7 +219,7 @@ fn a_kidnapping_is_seen_in_errors_and_figures() {
 
 #[test]
 fn the_seed_of_a_run_reaches_the_particles() {
-    let short = ["tour.duration_s=5.0"].map(str::to_owned);
+    let short = ["tour.duration=5.0"].map(str::to_owned);
     let scenario = Scenario::named("position-tracking", &short).unwrap();
     let run = |seed| scenario.run(Some(seed), Some(&[Method::Mcl]), &mut |_| {}).unwrap();
     let (first, again, other) = (run(4), run(4), run(5));
@@ -231,7 +232,7 @@ fn the_seed_of_a_run_reaches_the_particles() {
 /// M12: the highest likelihood is where the scan was taken, and the sums are those of its beams.
 #[test]
 fn the_probability_map_is_highest_at_the_truth() {
-    let changes = ["step_m=0.2", "headings=36"].map(|c| format!("probability_map.{c}"));
+    let changes = ["step=0.2", "headings=36"].map(|c| format!("probability_map.{c}"));
     let config = Scenario::named("probability-map", &changes).unwrap().probability_map.unwrap();
     let map = ProbabilityMap::new(&config, 1).unwrap();
     let turned = loc_core::angle::difference(map.best.theta, map.truth.theta);
@@ -260,7 +261,7 @@ fn the_probability_map_is_highest_at_the_truth() {
 
 #[test]
 fn a_scenario_without_a_robot_that_moves_is_an_illustration() {
-    let scenario = Scenario::named("probability-map", &["probability_map.step_m=0.5".into()]);
+    let scenario = Scenario::named("probability-map", &["probability_map.step=0.5".into()]);
     let scenario = scenario.unwrap();
     let illustration = scenario.illustrate(1).unwrap().unwrap();
     let folder = illustration.files(&scenario.title, "loc-sim run probability-map").unwrap();
@@ -272,7 +273,7 @@ fn a_scenario_without_a_robot_that_moves_is_an_illustration() {
     let drive = Scenario::named("landmark-drive", &[]).unwrap();
     assert!(drive.illustrate(1).unwrap().is_none());
     for (change, message) in [
-        ("probability_map.pose.x_m=500.0", "probability_map.pose: expected a place in free space"),
+        ("probability_map.pose.x=500.0", "probability_map.pose: expected a place in free space"),
         ("probability_map.headings=0", "probability_map.headings: expected 1 to 3600"),
         ("probability_map.beams=0", "probability_map.beams: expected at least 1"),
     ] {
@@ -286,7 +287,8 @@ fn a_scenario_without_a_robot_that_moves_is_an_illustration() {
 fn settings(changes: &[&str]) -> Result<MclSettings, String> {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
     let scenario = Scenario::named("position-tracking", &changes);
-    Ok(scenario.map_err(|error| error.to_string())?.filter.unwrap_or_default().mcl)
+    let settings = scenario.and_then(|scenario| scenario.settings());
+    Ok(settings.map_err(|error| error.to_string())?.mcl)
 }
 
 #[test]
@@ -331,8 +333,7 @@ fn written_settings_are_read_as_they_were() {
     let mut all_on = MclSettings::default().novelty(Some(NoveltyFilter::default()));
     all_on.recovery.augmented = Some(Default::default());
     let skip = Some(Default::default());
-    all_on.sensor =
-        SensorSettings::LikelihoodField(FieldSettings::default().beam_skip(skip));
+    all_on.sensor = SensorSettings::LikelihoodField(FieldSettings::default().beam_skip(skip));
     for settings in [MclSettings::default(), all_off, all_on] {
         let text = toml::to_string(&settings).unwrap();
         assert_eq!(toml::from_str::<MclSettings>(&text).unwrap(), settings, "{text}");
@@ -346,7 +347,7 @@ fn written_settings_are_read_as_they_were() {
 fn a_part_that_is_off_stays_off() {
     let off = ["filter.mcl.tempering=false".to_owned()];
     let config = RecordingConfig::parse("laser", recording::LASER, &off).unwrap();
-    assert_eq!(config.filter.mcl.tempering, None);
+    assert_eq!(config.settings(RobotSettings::default()).unwrap().mcl.tempering, None);
     let text = "amcl:\n  ros__parameters:\n    max_particles: 800\n";
     let mut mcl = AmclParameters::parse("amcl.yaml", text).unwrap().mcl;
     mcl.tempering = None;
@@ -356,7 +357,7 @@ fn a_part_that_is_off_stays_off() {
 
 #[test]
 fn the_plain_filter_tracks_too() {
-    let changes = ["filter.mcl.tempering=false", "tour.duration_s=10.0"].map(str::to_owned);
+    let changes = ["filter.mcl.tempering=false", "tour.duration=10.0"].map(str::to_owned);
     let plain = Scenario::named("position-tracking", &changes).unwrap();
     let tempered = Scenario::named("position-tracking", &changes[1..]).unwrap();
     let run = |scenario: Scenario| {

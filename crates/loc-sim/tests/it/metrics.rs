@@ -368,7 +368,7 @@ fn landmark_drive_is_consistent() {
 /// The same test detects a filter that assumes half of the true sensor noise.
 #[test]
 fn an_optimistic_filter_is_noticed() {
-    let boast = "filter.camera={range_sigma_m=0.05,bearing_sigma_deg=1.0}".to_owned();
+    let boast = "filter.robot.camera={range_sigma=0.05,bearing_sigma='1 deg'}".to_owned();
     assert!(share_in_band("landmark-drive", Method::Ekf, &[boast]) < 0.1);
 }
 
@@ -404,12 +404,12 @@ title = "A linear system"
 seed = 1
 methods = ["kf"]
 [rail]
-time_step_s = 0.1
+time_step = 0.1
 steps = 60
-acceleration_sigma_m_s2 = 0.4
-position_sigma_m = 1.0
-speed_sigma_m_s = 0.1
-sensors = [{ sigma_m = 0.5 }]
+acceleration_sigma = 0.4
+position_sigma = 1.0
+speed_sigma = 0.1
+sensors = [{ sigma = 0.5 }]
 "#;
 
 /// The properties of the linear filter hold.
@@ -431,11 +431,11 @@ fn the_linear_filter_is_consistent() {
 /// the innovations are not white.
 #[test]
 fn unmodelled_motion_is_found_in_the_order_of_the_innovations() {
-    let scenario = Scenario::parse("rail", RAIL, &["rail.acceleration_sigma_m_s2=4.0".into()]);
+    let scenario = Scenario::parse("rail", RAIL, &["rail.acceleration_sigma=4.0".into()]);
     let mut scenario = scenario.unwrap();
     let source = |seed| scenario.source(seed).unwrap();
     let mut sources: Vec<_> = (1..=100).map(source).collect();
-    scenario.rail.as_mut().unwrap().acceleration_sigma_m_s2 = 0.4;
+    scenario.rail.as_mut().unwrap().acceleration_sigma = 0.4;
     let settings = scenario.settings().unwrap();
     let mut tests = Consistency::new(0.95).unwrap();
     for source in &mut sources {

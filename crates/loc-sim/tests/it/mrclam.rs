@@ -1,5 +1,6 @@
 //! The MRCLAM recordings: real ones where LOC_DATA_DIR is set, small written ones everywhere.
 
+use loc_filters::RobotSettings;
 use loc_sensors::event::Payload;
 use loc_sim::Error;
 use loc_sim::localizer::Method;
@@ -22,10 +23,8 @@ fn real() -> Option<PathBuf> {
 fn rmse(folder: &Path, robot: u32) -> f64 {
     let config = RecordingConfig::parse("mrclam", recording::MRCLAM, &[]).unwrap();
     let source = Mrclam::open(folder, robot).unwrap();
-    let mut source =
-        Calibrated::new(source, config.odometry_calibration(), config.camera_calibration())
-            .unwrap();
-    let settings = config.settings().unwrap();
+    let mut source = Calibrated::new(source, config.odometry, config.camera).unwrap();
+    let settings = config.settings(RobotSettings::default()).unwrap();
     let run = runner::run(&mut source, &[Method::Ekf], &settings, &mut |_| {}).unwrap();
     Summary::of(&run, None, Alignment::None).unwrap().methods[0].1.errors.unwrap().ate_rmse_m
 }
@@ -194,12 +193,10 @@ fn missing_files_folders_and_robots_are_named() {
 #[test]
 fn calibration_puts_events_where_they_took_effect() {
     let folder = folder("", "");
-    let changes = ["odometry={delay_s=0.2}".to_owned(), "camera.delay_s=0.1".to_owned()];
+    let changes = ["odometry={delay=0.2}".to_owned(), "camera.delay=0.1".to_owned()];
     let config = RecordingConfig::parse("mrclam", recording::MRCLAM, &changes).unwrap();
     let source = Mrclam::open(folder.path(), 1).unwrap();
-    let mut source =
-        Calibrated::new(source, config.odometry_calibration(), config.camera_calibration())
-            .unwrap();
+    let mut source = Calibrated::new(source, config.odometry, config.camera).unwrap();
     let mut seen = Vec::new();
     while let Some(event) = source.next_event().unwrap() {
         seen.push((event.arrival, event.stamp, matches!(event.payload, Payload::Control(_))));

@@ -2,6 +2,7 @@
 //! everywhere.
 
 use approx::assert_relative_eq;
+use loc_filters::RobotSettings;
 use loc_sensors::event::{Control, Event, Measurement, Payload};
 use loc_sim::localizer::{Method, MethodSettings};
 use loc_sim::metrics::{Alignment, MethodSummary, Summary};
@@ -27,8 +28,9 @@ fn real(folder: &str) -> Option<PathBuf> {
 fn figures(mut source: RangeRecording, method: Method, changes: &[&str]) -> MethodSummary {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
     let config = RecordingConfig::parse("ranging", recording::RANGING, &changes).unwrap();
-    let mut settings: MethodSettings = config.settings().unwrap();
-    settings.landmark.observation_noise = source.noise();
+    let settings: MethodSettings = config.settings(RobotSettings::default()).unwrap();
+    let robot = settings.robot.camera(source.noise());
+    let settings = settings.with_robot(robot);
     let run = runner::run(&mut source, &[method], &settings, &mut |_| {}).unwrap();
     Summary::of(&run, None, Alignment::None).unwrap().methods.remove(0).1
 }

@@ -44,7 +44,7 @@ fn numbers<const N: usize, T>(blob: &Value, from: fn([u8; N]) -> T) -> Vec<T> {
 
 #[test]
 fn the_player_has_the_poses_and_the_particles_of_the_run() {
-    let run = filmed("overview", &["tour.duration_s=6.0"]);
+    let run = filmed("overview", &["tour.duration=6.0"]);
     let html = page(&run);
     assert!(
         html.contains("<h1>A &lt;title&gt;</h1>") && html.contains("run &quot;x&quot;   # seed 1")

@@ -25,7 +25,7 @@ fn last(run: &Run, method: Method) -> Estimate {
 #[test]
 fn kurt2_example_ends_at_the_corrected_numbers() {
     for (rule, x, z) in [("midpoint", 30.64, 151.15), ("exact-arc", 30.589, 150.900)] {
-        let run = run("kurt2-example", &[&format!("filter.integration={rule}")]);
+        let run = run("kurt2-example", &[&format!("filter.robot.integration={rule}")]);
         let pose = Kurt2Pose::from(last(&run, Method::DeadReckoning).pose);
         assert_relative_eq!(100.0 * pose.x, x, epsilon = 5e-3);
         assert_relative_eq!(100.0 * pose.z, z, epsilon = 5e-3);
@@ -33,7 +33,7 @@ fn kurt2_example_ends_at_the_corrected_numbers() {
         let truth = Kurt2Pose::from(run.truth.last().unwrap().value.pose);
         assert_relative_eq!(100.0 * truth.x, 30.589, epsilon = 5e-4);
     }
-    let at_once = run("kurt2-example", &["drive.time_step_s=2.0"]);
+    let at_once = run("kurt2-example", &["drive.time_step=2.0"]);
     let pose = Kurt2Pose::from(last(&at_once, Method::DeadReckoning).pose);
     assert_relative_eq!(100.0 * pose.x, 30.79, epsilon = 5e-3);
     assert_relative_eq!(100.0 * pose.z, 151.91, epsilon = 5e-3);
@@ -42,8 +42,9 @@ fn kurt2_example_ends_at_the_corrected_numbers() {
 /// E8: with perfect measurements the estimate is the one of the nominal controls.
 #[test]
 fn circle_drive_has_the_printed_mean_and_covariance() {
-    let noise = "filter.odometry={distance_sigma_m=0.02,turn_sigma_deg=5,drift_sigma_deg=2}";
-    let perfect = "drive.wheels={track_m=0.4}";
+    let noise =
+        "filter.robot.odometry={distance_sigma=0.02,turn_sigma='5 deg',drift_sigma='2 deg'}";
+    let perfect = "drive.wheels={track=0.4}";
     let printed = [
         (
             "euler",
@@ -59,7 +60,7 @@ fn circle_drive_has_the_printed_mean_and_covariance() {
         ),
     ];
     for (rule, x, y, [xx, xy, xt, yy, yt, tt]) in printed {
-        let rule = format!("filter.integration={rule}");
+        let rule = format!("filter.robot.integration={rule}");
         let estimate = last(&run("circle-drive", &[noise, perfect, &rule]), Method::DeadReckoning);
         assert_relative_eq!(estimate.pose.x, x, epsilon = 5e-8);
         assert_relative_eq!(estimate.pose.y, y, epsilon = 5e-8);
@@ -67,7 +68,7 @@ fn circle_drive_has_the_printed_mean_and_covariance() {
         let expected = Matrix3::new(xx, xy, xt, xy, yy, yt, xt, yt, tt);
         assert_relative_eq!(estimate.covariance.unwrap(), expected, epsilon = 5e-9);
     }
-    let exact = run("circle-drive", &[noise, perfect, "filter.integration=exact-arc"]);
+    let exact = run("circle-drive", &[noise, perfect, "filter.robot.integration=exact-arc"]);
     let pose = last(&exact, Method::DeadReckoning).pose;
     assert_relative_eq!(pose.x, -0.9710122, epsilon = 5e-8);
     assert_relative_eq!(pose.y, 0.2063950, epsilon = 5e-8);
@@ -118,7 +119,7 @@ fn one_seed_gives_one_result_and_methods_do_not_disturb_each_other() {
 /// A camera with a latency delivers late; the filter ends as without latency.
 #[test]
 fn latency_delays_but_does_not_lose() {
-    let late = run("landmark-drive", &["drive.camera.latency_s=0.35"]);
+    let late = run("landmark-drive", &["drive.camera.latency=0.35"]);
     let punctual = run("landmark-drive", &[]);
     let count = |run: &Run| run.methods[1].outcomes.len();
     // Only observations of the last 0.35 s may still be pending at the last truth.
@@ -137,12 +138,12 @@ fn every_built_in_scenario_is_named_after_its_file_and_runs() {
         assert_eq!(scenario.name, name);
         // Long ones have tests of their own.
         let short = match (&scenario.tour, &scenario.probability_map) {
-            (Some(_), _) => vec!["tour.duration_s=1.0".to_owned()],
-            (_, Some(_)) => vec!["probability_map.step_m=0.5".to_owned()],
+            (Some(_), _) => vec!["tour.duration=1.0".to_owned()],
+            (_, Some(_)) => vec!["probability_map.step=0.5".to_owned()],
             _ => Vec::new(),
         };
         let kidnapped = scenario.tour.as_ref().is_some_and(|tour| tour.kidnap.is_some());
-        let kidnap = kidnapped.then(|| "tour.kidnap.at_s=0.5".to_owned());
+        let kidnap = kidnapped.then(|| "tour.kidnap.at=0.5".to_owned());
         let changes: Vec<String> = short.into_iter().chain(kidnap).collect();
         let scenario = Scenario::parse(name, text, &changes).unwrap();
         if scenario.illustrate(scenario.seed).unwrap().is_some() {
@@ -162,14 +163,14 @@ fn bad_configurations_name_file_line_and_key() {
     };
     for (from, to, message) in [
         (
-            "time_step_s = 0.1",
-            "time_step_s = -0.1",
-            "my.toml: drive.time_step_s: expected a finite number > 0, got -0.1",
+            "time_step = 0.1",
+            "time_step = -0.1",
+            "my.toml: drive.time_step: expected a finite number > 0, got -0.1",
         ),
         (
-            "duration_s = 14.0",
-            "duration_s = 14.03",
-            "my.toml: drive.course.duration_s: expected a multiple of the time step 0.1 s, got `14.03`",
+            "duration = 14.0",
+            "duration = 14.03",
+            "my.toml: drive.course.duration: expected a multiple of the time step 0.1 s, got `14.03`",
         ),
         (
             "time_step_s",
@@ -188,7 +189,7 @@ fn bad_configurations_name_file_line_and_key() {
         ),
         ("\"midpoint\"", "\"simpson\"", "unknown variant `simpson`"),
         (
-            "turn_sigma_deg = 5.0",
+            "turn_sigma = '5 deg'",
             "turn_sigma_deg = nan",
             "my.toml: sigma of a full turn [rad]: expected a finite number >= 0, got NaN",
         ),
@@ -204,7 +205,7 @@ fn bad_configurations_name_file_line_and_key() {
     for (change, message) in [
         ("drive.nothing=1", "unknown field `nothing`"),
         ("drive", "expected key.subkey=value, got `drive`"),
-        ("drive.course.7.v_m_s=1", "expected the key of a table or array, got `7`"),
+        ("drive.course.7.v=1", "expected the key of a table or array, got `7`"),
     ] {
         let error = Scenario::named("circle-drive", &[change.into()]).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");

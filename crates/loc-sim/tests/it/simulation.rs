@@ -20,16 +20,16 @@ seed = 1
 methods = ["mcl"]
 [tour]
 world = { name = "office", width = 300, height = 200, seed = 2 }
-duration_s = 30.0
-time_step_s = 0.1
+duration = 30.0
+time_step = 0.1
 [tour.wheels]
-track_m = 0.4
+track = 0.4
 [tour.laser]
 preset = "sick-lms100-50hz"
-sigma_m = 0.0
+sigma = 0.0
 forward_m = 0.2
 yaw_deg = 10.0
-every_s = 0.5
+every = 0.5
 "#;
 
 fn tour(seed: u64, changes: &[&str]) -> SimulatedTour {
@@ -71,7 +71,7 @@ fn scans(events: &[Event]) -> Vec<(f64, Arc<LaserScan>, Pose2)> {
 #[test]
 fn it_keeps_off_the_walls_and_within_its_speeds() {
     for seed in 1..=8 {
-        let mut tour = tour(seed, &["tour.laser.every_s=30.0"]);
+        let mut tour = tour(seed, &["tour.laser.every=30.0"]);
         let events = events(&mut tour);
         let poses = truths(&events);
         assert_eq!(poses.len(), 301);
@@ -93,8 +93,8 @@ fn it_keeps_off_the_walls_and_within_its_speeds() {
 
 #[test]
 fn it_visits_its_stops_in_turn() {
-    let stops = ["tour.stops=[[3.0, 5.0], [11.0, 5.0]]", "tour.duration_s=60.0"];
-    let start = "tour.start={x_m=7.0, y_m=5.0, heading_deg=0.0}";
+    let stops = ["tour.stops=[[3.0, 5.0], [11.0, 5.0]]", "tour.duration=60.0"];
+    let start = "tour.start={x=7.0, y=5.0, theta='0 deg'}";
     let poses = truths(&events(&mut tour(1, &[stops[0], stops[1], start])));
     assert!(poses[0].distance(Pose2::new(7.0, 5.0, 0.0)) < 1.0);
     let first_at = |x: f64| {
@@ -132,10 +132,10 @@ fn scans_show_the_walls_from_the_true_pose() {
 /// of their standard deviation have a mean square of 1.
 #[test]
 fn odometry_errors_match_the_noise_model() {
-    let noise = "tour.wheels.noise={distance_sigma_m=0.02,turn_sigma_deg=10,drift_sigma_deg=2}";
+    let noise = "tour.wheels.noise={distance_sigma=0.02,turn_sigma='10 deg',drift_sigma='2 deg'}";
     let (mut squares, runs) = (0.0, 60);
     for seed in 1..=runs {
-        let events = events(&mut tour(seed, &[noise, "tour.laser.every_s=30.0"]));
+        let events = events(&mut tour(seed, &[noise, "tour.laser.every=30.0"]));
         let (poses, odometry) = (truths(&events), odometries(&events));
         let steps = || poses.windows(2).map(|pair| OdometryMotion::between(pair[0], pair[1]));
         let turned: f64 = steps().map(|step| (step.rot1 + step.rot2).abs()).sum();
@@ -166,7 +166,7 @@ fn people_do_not_change_the_tour_of_a_seed() {
 /// K3: the visitors hide the wanted share of the beams, in clusters that last several scans.
 #[test]
 fn visitors_hide_four_of_ten_beams_in_clusters_that_last() {
-    let changes = ["tour.laser.every_s=0.2", "tour.duration_s=40.0"];
+    let changes = ["tour.laser.every=0.2", "tour.duration=40.0"];
     let plain = events(&mut tour(2, &changes));
     let people = "tour.people={blocked_share=0.4}";
     let crowded = events(&mut tour(2, &[changes[0], changes[1], people]));
@@ -198,7 +198,7 @@ fn visitors_hide_four_of_ten_beams_in_clusters_that_last() {
 
 #[test]
 fn walkers_stay_in_free_space_and_shorten_beams_only() {
-    let people = "tour.people={count=40, speed_m_s=1.5}";
+    let people = "tour.people={count=40, speed=1.5}";
     let plain = events(&mut tour(4, &[]));
     let crowded = events(&mut tour(4, &[people]));
     let mut shorter = 0;
@@ -213,11 +213,10 @@ fn walkers_stay_in_free_space_and_shorten_beams_only() {
 
 #[test]
 fn a_kidnapped_robot_is_elsewhere_and_its_odometry_is_not() {
-    for (to, exactly) in [
-        ("\"random\"", None),
-        ("{x_m=3.0, y_m=5.0, heading_deg=90.0}", Some(Pose2::new(3.0, 5.0, 1.5))),
-    ] {
-        let kidnap = format!("tour.kidnap={{at_s=12.0, to={to}}}");
+    for (to, exactly) in
+        [("\"random\"", None), ("{x=3.0, y=5.0, theta='90 deg'}", Some(Pose2::new(3.0, 5.0, 1.5)))]
+    {
+        let kidnap = format!("tour.kidnap={{at=12.0, to={to}}}");
         let mut tour = tour(2, &[&kidnap]);
         assert_eq!(tour.setup().kidnapped_at, Some(12.0));
         let events = events(&mut tour);
@@ -240,11 +239,11 @@ fn bad_tours_name_the_key() {
     for (change, message) in [
         ("tour.world={name=\"castle\"}", "world: expected one of office, corridor"),
         ("tour.map=\"map.yaml\"", "tour.world, tour.map: expected one of the two, got `both`"),
-        ("tour.duration_s=-1.0", "tour.duration_s: expected a finite number > 0, got -1"),
-        ("tour.laser.every_s=0.25", "tour.laser.every_s: expected a multiple of the time step"),
+        ("tour.duration=-1.0", "tour.duration: expected a finite number > 0, got -1"),
+        ("tour.laser.every=0.25", "tour.laser.every: expected a multiple of the time step"),
         ("tour.people={blocked_share=1.5}", "tour.people.blocked_share: expected a share"),
-        ("tour.kidnap={at_s=31.0,to=\"random\"}", "tour.kidnap.at_s: expected a time within"),
-        ("tour.robot.radius_m=nan", "tour.robot.radius_m: expected a finite number > 0, got NaN"),
+        ("tour.kidnap={at=31.0,to=\"random\"}", "tour.kidnap.at: expected a time within"),
+        ("tour.robot.radius=nan", "tour.robot.radius: expected a finite number > 0, got NaN"),
         ("tour.stops=[[0.0, inf]]", "tour.stops: expected a finite number"),
         ("tour.laser.preset=\"torch\"", "unknown variant `torch`"),
     ] {
@@ -252,11 +251,8 @@ fn bad_tours_name_the_key() {
         assert!(error.contains(message), "{change}: {error}");
     }
     for (change, message) in [
-        ("tour.robot.radius_m=8.0", "free space for a robot of radius 8 m"),
-        (
-            "tour.start={x_m=90.0,y_m=0.0,heading_deg=0.0}",
-            "tour.start: expected a place within 1 m",
-        ),
+        ("tour.robot.radius=8.0", "free space for a robot of radius 8 m"),
+        ("tour.start={x=90.0,y=0.0,theta='0 deg'}", "tour.start: expected a place within 1 m"),
         ("tour.stops=[[90.0, 0.0]]", "tour.stops: expected a place within 1 m"),
     ] {
         let scenario = Scenario::parse("my.toml", TOUR, &[change.into()]).unwrap();
@@ -268,7 +264,7 @@ fn bad_tours_name_the_key() {
 #[test]
 fn a_camera_sees_the_landmarks_that_no_wall_hides() {
     let camera = [
-        "tour.camera={every_s=0.5,fov_deg=360.0,max_range_m=30.0,noise={range_sigma_m=0.0,bearing_sigma_deg=0.0}}",
+        "tour.camera={every=0.5,fov='360 deg',max_range=30.0,noise={range_sigma=0.0,bearing_sigma='0 deg'}}",
         "tour.world.width=500",
         "tour.world.height=400",
     ];
@@ -303,7 +299,7 @@ fn a_camera_sees_the_landmarks_that_no_wall_hides() {
 
 #[test]
 fn landmarks_and_the_poses_of_an_odometry_serve_the_ekf() {
-    let scenario = Scenario::named("overview", &["tour.duration_s=30.0".into()]).unwrap();
+    let scenario = Scenario::named("overview", &["tour.duration=30.0".into()]).unwrap();
     let methods = [Method::Ekf, Method::Mcl];
     let run = scenario.run(Some(3), Some(&methods), &mut |_| {}).unwrap();
     let summary = Summary::of(&run, Some(3), Alignment::None).unwrap();
@@ -328,10 +324,10 @@ fn end(name: &str, changes: &[&str]) -> Result<loc_core::Pose2, String> {
 fn a_car_drives_the_circle_of_its_steering_angle() {
     let duration = std::f64::consts::PI * 2.0;
     let course = format!(
-        "drive.course=[{{duration_s = {duration}, v_m_s = 1.0, steering_deg = {} }}]",
+        "drive.course=[{{duration = {duration}, v = 1.0, steering_deg = {} }}]",
         (0.87_f64 / 2.0).atan().to_degrees()
     );
-    let step = format!("drive.time_step_s={}", duration / 60.0);
+    let step = format!("drive.time_step={}", duration / 60.0);
     let pose = end("ackermann-drive", &[&course, &step]).unwrap();
     assert!(pose.x.abs() < 1e-9 && (pose.y - 4.0).abs() < 1e-9, "{pose}");
 }
@@ -342,7 +338,7 @@ fn the_steering_encoder_rounds() {
     let run = |counts: u32| {
         let changes = [
             format!("drive.ackermann.steering_counts={counts}"),
-            "drive.ackermann.noise={distance_sigma_m = 0.0, turn_sigma_deg = 0.0, drift_sigma_deg = 0.0}".to_owned(),
+            "drive.ackermann.noise={distance_sigma = 0.0, turn_sigma = '0 deg', drift_sigma = '0 deg'}".to_owned(),
         ];
         let scenario = Scenario::named("ackermann-drive", &changes).unwrap();
         let run = scenario.run(None, None, &mut |_| {}).unwrap();
@@ -356,27 +352,26 @@ fn the_steering_encoder_rounds() {
 /// Left wheels backwards and right ones forwards turn on the spot by rim speed over lever.
 #[test]
 fn mecanum_wheels_turn_by_their_rim_speeds() {
-    let spot = "drive.course=[{duration_s = 1.0, wheels_m_s = [-0.25, 0.25, -0.25, 0.25] }]";
+    let spot = "drive.course=[{duration = 1.0, wheels = [-0.25, 0.25, -0.25, 0.25] }]";
     let pose = end("mecanum-drive", &[spot]).unwrap();
     assert!(pose.x.abs() < 1e-12 && (pose.theta - 0.5).abs() < 1e-12, "{pose}");
-    let aside = "drive.course=[{duration_s = 1.0, wheels_m_s = [-0.3, 0.3, 0.3, -0.3] }]";
+    let aside = "drive.course=[{duration = 1.0, wheels = [-0.3, 0.3, 0.3, -0.3] }]";
     let pose = end("mecanum-drive", &[aside]).unwrap();
     assert!((pose.y - 0.3).abs() < 1e-12 && pose.x.abs() < 1e-12, "{pose}");
 }
 
 #[test]
 fn what_a_body_cannot_do_is_refused() {
-    let turn = "drive.course=[{duration_s = 1.0, v_m_s = 0.0, omega_deg_s = 10.0 }]";
+    let turn = "drive.course=[{duration = 1.0, v = 0.0, omega = '10 deg/s' }]";
     let error = end("ackermann-drive", &[turn]).unwrap_err();
     assert!(error.contains("turn on the spot"), "{error}");
-    let aside = "drive.course=[{duration_s = 1.0, sideways_m_s = 0.1 }]";
+    let aside = "drive.course=[{duration = 1.0, sideways = 0.1 }]";
     let error = end("ackermann-drive", &[aside]).unwrap_err();
     assert!(error.contains("v_m_s with steering_deg"), "{error}");
-    let wheels =
-        "drive.course=[{duration_s = 1.0, v_m_s = 1.0, wheels_m_s = [0.0, 0.0, 0.0, 0.0] }]";
+    let wheels = "drive.course=[{duration = 1.0, v = 1.0, wheels = [0.0, 0.0, 0.0, 0.0] }]";
     let error = end("mecanum-drive", &[wheels]).unwrap_err();
     assert!(error.contains("four wheels_m_s"), "{error}");
-    let both = "drive.wheels={track_m = 0.3}";
+    let both = "drive.wheels={track = 0.3}";
     let error = end("mecanum-drive", &[both]).unwrap_err();
     assert!(error.contains("expected one of them, got `several`"), "{error}");
 }

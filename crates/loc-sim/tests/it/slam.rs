@@ -1,4 +1,5 @@
 use loc_core::{Gaussian, Pose2};
+use loc_filters::RobotSettings;
 use loc_filters::localizer::EstimatedMap;
 use loc_filters::slam::{Identities, MapLandmark};
 use loc_maps::{Landmark, LandmarkMap};
@@ -114,7 +115,7 @@ fn linear_slam_refuses_a_robot_that_turns() {
 #[test]
 fn linear_slam_works_in_any_direction() {
     let run = |heading: f64| {
-        let change = format!("drive.start.heading_deg={heading}");
+        let change = format!("drive.start.theta={heading}");
         let scenario = scenario("slam-linear", &[&change, "drive.camera.yaw_deg=20.0"]);
         scenario.run(Some(2), Some(&[Method::KfSlam]), &mut |_| {}).unwrap()
     };
@@ -198,17 +199,20 @@ fn the_excess_of_the_nees_is_halved() {
 
 fn settings(text: &str, changes: &[&str]) -> MethodSettings {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
-    RecordingConfig::parse("settings", text, &changes).unwrap().settings().unwrap()
+    RecordingConfig::parse("settings", text, &changes)
+        .unwrap()
+        .settings(RobotSettings::default())
+        .unwrap()
 }
 
 /// The figures of one method on a recording, aligned by the path where there is a true one.
 fn figures(
     mut source: LandmarkRecording,
-    mut settings: MethodSettings,
+    settings: MethodSettings,
     method: Method,
 ) -> MethodSummary {
-    settings.landmark.mounting = source.mounting();
-    settings.seed = 1;
+    let robot = settings.robot.mounting(source.mounting());
+    let settings = MethodSettings { seed: 1, ..settings.with_robot(robot) };
     let align = if source.has_truth() { Alignment::Se2 } else { Alignment::None };
     let run = runner::run(&mut source, &[method], &settings, &mut |_| {}).unwrap();
     Summary::of(&run, None, align).unwrap().methods.remove(0).1
@@ -271,10 +275,10 @@ fn victoria_park_without_numbers_does_not_diverge() {
 fn mrclam_map(folder: &Path, robot: u32, changes: &[&str]) -> LandmarkErrors {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
     let config = RecordingConfig::parse("mrclam", recording::MRCLAM, &changes).unwrap();
-    let calibration = (config.odometry_calibration(), config.camera_calibration());
+    let calibration = (config.odometry, config.camera);
     let source = Mrclam::open(folder, robot).unwrap();
     let mut source = Calibrated::new(source, calibration.0, calibration.1).unwrap();
-    let settings = config.settings().unwrap();
+    let settings = config.settings(RobotSettings::default()).unwrap();
     let run = runner::run(&mut source, &[Method::EkfSlam], &settings, &mut |_| {}).unwrap();
     landmark_errors(&run, &run.methods[0]).unwrap().unwrap()
 }

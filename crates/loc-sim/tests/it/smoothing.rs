@@ -1,5 +1,6 @@
 //! Kalman runs smoothed after the run.
 
+use loc_filters::RobotSettings;
 use loc_filters::localizer::Estimate;
 use loc_sim::localizer::{Method, MethodSettings};
 use loc_sim::metrics::{Alignment, Consistency, MethodSummary, Summary};
@@ -11,7 +12,7 @@ use std::path::Path;
 
 fn smoothed_run(scenario: &Scenario, method: Method, seed: u64) -> Run {
     let mut scenario = scenario.clone();
-    scenario.filter.get_or_insert_default().smooth = true;
+    scenario.set_filter("smooth=true").unwrap();
     scenario.run(Some(seed), Some(&[method]), &mut |_| {}).unwrap()
 }
 
@@ -43,12 +44,12 @@ title = "A vehicle that measures its position at every step"
 seed = 1
 methods = ["kf"]
 [rail]
-time_step_s = 0.1
+time_step = 0.1
 steps = 60
-acceleration_sigma_m_s2 = 2.0
-position_sigma_m = 1.0
-speed_sigma_m_s = 0.5
-sensors = [{ sigma_m = 0.5 }]
+acceleration_sigma = 2.0
+position_sigma = 1.0
+speed_sigma = 0.5
+sensors = [{ sigma = 0.5 }]
 "#;
 
 #[test]
@@ -116,12 +117,12 @@ fn smoothing_among_walls_errs_less() {
 /// After the run nothing is late: a camera with a latency leads to the same estimates.
 #[test]
 fn late_measurements_are_not_late_for_the_smoother() {
-    let course = "drive.course=[{duration_s=12.0,v_m_s=0.5,omega_deg_s=15.0}]".to_owned();
+    let course = "drive.course=[{duration=12.0,v=0.5,omega='15 deg/s'}]".to_owned();
     let run = |more: &str| {
         let changes = [course.clone(), more.to_owned()];
         smoothed_run(&Scenario::named("landmark-drive", &changes).unwrap(), Method::Ekf, 3)
     };
-    let (late, punctual) = (run("drive.camera.latency_s=0.35"), run("drive.camera.latency_s=0.0"));
+    let (late, punctual) = (run("drive.camera.latency=0.35"), run("drive.camera.latency=0.0"));
     let pairs = late.methods[1].estimates.iter().zip(&punctual.methods[1].estimates);
     // Observations of the last 0.35 s are still pending at the end.
     let off = |(a, b): (&Estimate, &Estimate)| a.pose.distance(b.pose);
@@ -134,8 +135,8 @@ fn late_measurements_are_not_late_for_the_smoother() {
 /// Poses of an odometry instead of velocities, and a method beside that has nothing to smooth.
 #[test]
 fn a_tour_is_smoothed_too() {
-    let mut scenario = Scenario::named("overview", &["tour.duration_s=20.0".into()]).unwrap();
-    scenario.filter.get_or_insert_default().smooth = true;
+    let mut scenario = Scenario::named("overview", &["tour.duration=20.0".into()]).unwrap();
+    scenario.set_filter("smooth=true").unwrap();
     let run = scenario.run(Some(2), Some(&[Method::DeadReckoning, Method::Ekf]), &mut |_| {});
     let run = run.unwrap();
     let names: Vec<_> = run.methods.iter().map(|record| record.name().into_owned()).collect();
@@ -162,10 +163,11 @@ fn smoothing_a_real_robot_errs_less() {
     };
     let folder = Path::new(&data).join("mrclam/MRCLAM_Dataset6");
     let config = RecordingConfig::parse("mrclam", recording::MRCLAM, &[]).unwrap();
-    let settings = MethodSettings { smooth: true, ..config.settings().unwrap() };
+    let settings =
+        MethodSettings { smooth: true, ..config.settings(RobotSettings::default()).unwrap() };
     for robot in [2, 4] {
         let source = Mrclam::open(&folder, robot).unwrap();
-        let (odometry, camera) = (config.odometry_calibration(), config.camera_calibration());
+        let (odometry, camera) = (config.odometry, config.camera);
         let mut source = Calibrated::new(source, odometry, camera).unwrap();
         let run = runner::run(&mut source, &[Method::Ekf], &settings, &mut |_| {}).unwrap();
         let rmse: Vec<f64> =

@@ -241,9 +241,7 @@ impl Belief {
         let mut fine: Option<Vec<f64>> = None;
         let peak = Peak::of(&self.stack, space, &settings.fine);
         let followed = self.in_window();
-        if let Some(peak) =
-            peak.filter(|p| p.share >= FINE_FROM_SHARE && p.share > followed)
-        {
+        if let Some(peak) = peak.filter(|p| p.share >= FINE_FROM_SHARE && p.share > followed) {
             self.close_window(space);
             let window = Window::at(peak.gaussian.pose(), &settings.fine)?;
             fine = Some(sensor.rate_window(&window, scan));

@@ -54,4 +54,3 @@ loc_core::settings! {
         pub turn: f64 = 15_f64.to_radians() => holds("a number above 0 and up to pi", |f| f.turn > 0.0 && f.turn <= PI);
     }
 }
-

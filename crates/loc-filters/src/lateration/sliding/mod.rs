@@ -4,9 +4,9 @@ mod window;
 
 use super::minimize::{Minimum, OFFSET, SCALE};
 use super::{BiasPrior, LaterationSettings, Loss, Range, RangeBias, locate};
-use crate::{Result, RobotSettings};
 use crate::delayed::{Clock, Sequential};
 use crate::localizer::{Decision, Estimate, Localizer, Outcome};
+use crate::{Result, RobotSettings};
 use loc_core::gaussian::cholesky;
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
@@ -391,4 +391,3 @@ loc_core::settings! {
         pub bias: BiasPrior = BiasPrior { scale_sigma: 0.1, offset_sigma: 0.2 } => check;
     }
 }
-

@@ -4,6 +4,7 @@ use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::random::{ChaCha8Rng, stream};
 use loc_core::{Pose2, Twist2, angle};
 use loc_filters::Error;
+use loc_filters::RobotSettings;
 use loc_filters::delayed::Delayed;
 use loc_filters::lateration::{RangeBias, SlidingLateration, SlidingSettings};
 use loc_filters::localizer::{Decision, Localizer, Outcome};
@@ -77,7 +78,7 @@ impl Drive {
 fn run(seed: u64, settings: SlidingSettings) -> (f64, f64, Option<RangeBias>) {
     let mut drive = Drive::new(seed);
     drive.bias = RangeBias { scale: 1.05, offset: 0.1 };
-    drive.antenna = settings.antenna;
+    drive.antenna = settings.robot.mounting.position();
     let mut robot = SlidingLateration::new(map(), settings, 0.0).unwrap();
     let (mut square, mut nees, mut count) = (0.0, 0.0, 0.0);
     while drive.step < 400 {
@@ -98,7 +99,8 @@ fn run(seed: u64, settings: SlidingSettings) -> (f64, f64, Option<RangeBias>) {
 #[test]
 fn a_biased_sensor_and_odometry_find_the_robot() {
     let antenna = Point2::new(0.3, 0.1);
-    let settings = SlidingSettings::default().antenna(antenna);
+    let settings = SlidingSettings::default()
+        .robot(RobotSettings::default().mounting(Pose2::new(antenna.x, antenna.y, 0.0)));
     let (mut total, mut worst) = (0.0, 0.0);
     for seed in 0..6 {
         let (rms, nees, bias) = run(seed, settings);
@@ -207,7 +209,7 @@ fn settings_that_make_no_sense_are_refused() {
     for settings in [
         usual.window(0),
         usual.walk(0.0),
-        usual.antenna(Point2::new(f64::NAN, 0.0)),
+        usual.robot(RobotSettings::default().mounting(Pose2 { x: f64::NAN, ..Pose2::IDENTITY })),
     ] {
         assert!(SlidingLateration::new(map(), settings, 0.0).is_err());
     }

@@ -59,7 +59,7 @@ fn systematic_errors_of_the_odometry_are_found() {
     let (mut truth, mut odometry) = (Pose2::new(1.2, 1.4, 0.2), Pose2::IDENTITY);
     // Apart from that, it errs little.
     let mut smooth = settings();
-    (smooth.motion.drift, smooth.motion.turn) = (0.01, 0.01);
+    (smooth.robot.path.drift, smooth.robot.path.turn) = (0.01, 0.01);
     let mut ekf = LineEkf::new(map.clone(), smooth, pose_belief(truth, [0.02; 3])).unwrap();
     ekf.odometry(odometry).unwrap();
     for k in 0..120 {
@@ -147,7 +147,7 @@ fn one_scan_mends_a_failure_of_the_odometry() {
     let scan = scanner.scan(&map, truth, &mut stream(2, "slip"));
     let after_slip = |fault_probability: f64| {
         let mut settings = settings();
-        settings.motion.fault_probability = fault_probability;
+        settings.robot.path.fault_probability = fault_probability;
         let mut ekf = LineEkf::new(map.clone(), settings, pose_belief(truth, [0.01; 3])).unwrap();
         ekf.odometry(Pose2::IDENTITY).unwrap();
         ekf.odometry(Pose2::new(0.9, 0.2, 0.35)).unwrap();

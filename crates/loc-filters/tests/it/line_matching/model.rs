@@ -67,7 +67,7 @@ fn one_line_against_plain_matrices() {
     )
     .unwrap();
     let mut defaults = settings();
-    (defaults.motion.min_position, defaults.motion.min_heading) = (0.0, 0.0);
+    (defaults.robot.path.min_position, defaults.robot.path.min_heading) = (0.0, 0.0);
     let mut ekf = LineEkf::new(map("4,-3,4,3\n"), defaults, start).unwrap();
     let line = seen(Pose2::new(1.1, 1.1, 0.15), [4.0, -2.0], [4.0, 2.0], [0.02, 0.01]);
     let update = ekf.lines(vec![line], all_around(), Pose2::IDENTITY).unwrap();

@@ -1,6 +1,7 @@
 use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2, Twist2};
 use loc_filters::Error;
+use loc_filters::RobotSettings;
 use loc_filters::localizer::Decision;
 use loc_filters::slam::{EkfSlam, Identities, MapSettings, SlamSettings};
 use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
@@ -33,7 +34,9 @@ fn refused_input_changes_nothing() {
     assert_eq!((slam.pose().unwrap(), slam.covariance().unwrap(), slam.step()), before);
 
     let refused = |settings: SlamSettings| EkfSlam::new(certain(), settings).is_err();
-    assert!(refused(SlamSettings::default().robot(RobotSettings::default().camera(LandmarkNoise::NONE))));
+    assert!(refused(
+        SlamSettings::default().robot(RobotSettings::default().camera(LandmarkNoise::NONE))
+    ));
     let map = MapSettings::default().new_landmark_probability(2.0);
     assert!(refused(SlamSettings::default().map(map)));
     let negative = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 1.0));
@@ -91,10 +94,10 @@ fn a_hundred_thousand_observations_in_one_step() {
 #[test]
 fn lost_positivity_is_reported_with_its_step() {
     let settings = SlamSettings::default().robot(RobotSettings::default().camera(LandmarkNoise {
-            range_sigma: 1e-9,
-            range_sigma_per_m: 0.0,
-            bearing_sigma: 1e-9,
-        }));
+        range_sigma: 1e-9,
+        range_sigma_per_m: 0.0,
+        bearing_sigma: 1e-9,
+    }));
     let start = pose_belief(Pose2::new(0.1, 0.2, 0.7), [1e8, 3e7, 1e3]);
     let mut slam = EkfSlam::new(start, settings).unwrap();
     let error = (0..50).find_map(|_| {

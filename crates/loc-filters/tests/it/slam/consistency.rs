@@ -4,6 +4,7 @@ use loc_core::gaussian::pose_belief;
 use loc_core::motion::VelocityNoise;
 use loc_core::random::stream;
 use loc_core::{Pose2, Twist2};
+use loc_filters::RobotSettings;
 use loc_filters::slam::{EkfSlam, Jacobians, SlamSettings};
 use loc_sensors::landmark_camera::LandmarkCamera;
 use loc_sensors::world::Landmarks;
@@ -12,8 +13,9 @@ use nalgebra::DMatrix;
 /// The information about a shift and a turn of everything together, `N^T P^-1 N`. With perfect
 /// odometry it cannot change, since no observation tells of it.
 fn information_of_the_whole(jacobians: Jacobians) -> (DMatrix<f64>, DMatrix<f64>) {
-    let settings =
-        SlamSettings::default().robot(RobotSettings::default().odometry(VelocityNoise::NONE)).jacobians(jacobians);
+    let settings = SlamSettings::default()
+        .robot(RobotSettings::default().odometry(VelocityNoise::NONE))
+        .jacobians(jacobians);
     let world = Landmarks::from([(1, [3.0, 1.0]), (2, [2.0, -2.0]), (3, [-1.0, 2.5])]);
     let start = pose_belief(Pose2::IDENTITY, [0.2, 0.2, 0.1]);
     let mut slam = EkfSlam::new(start, settings).unwrap();
@@ -24,7 +26,7 @@ fn information_of_the_whole(jacobians: Jacobians) -> (DMatrix<f64>, DMatrix<f64>
     let mut anchor = Pose2::IDENTITY;
     for _ in 0..60 {
         let twist = Twist2::forward(0.4, 0.5);
-        truth = settings.integration.step(truth, twist, 0.2);
+        truth = settings.robot.integration.step(truth, twist, 0.2);
         slam.predict(twist, 0.2).unwrap();
         anchor = slam.pose().unwrap().pose();
         slam.correct(&LandmarkCamera::default().observe(&world, truth, &mut rng)).unwrap();

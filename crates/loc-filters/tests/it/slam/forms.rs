@@ -3,6 +3,7 @@
 use approx::assert_relative_eq;
 use loc_core::gaussian::pose_belief;
 use loc_core::{Gaussian, Pose2, Twist2};
+use loc_filters::RobotSettings;
 use loc_filters::localizer::Decision;
 use loc_filters::slam::{EkfSlam, Identities, Jacobians, SlamSettings};
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
@@ -25,8 +26,9 @@ fn places(slam: &EkfSlam) -> (Vec<Vector2<f64>>, f64) {
 fn the_invariant_correction_carries_that_of_the_textbook() {
     let seen = [see(1, 4.0, 0.3), see(2, 3.0, -0.8), see(3, 5.0, 1.1)];
     let [mut textbook, mut invariant] = [Jacobians::Current, Jacobians::Invariant].map(|form| {
-        let settings =
-            SlamSettings::default().robot(RobotSettings::default().gate_probability(1.0)).jacobians(form);
+        let settings = SlamSettings::default()
+            .robot(RobotSettings::default().gate_probability(1.0))
+            .jacobians(form);
         let start = pose_belief(Pose2::new(1.0, -2.0, 0.4), [0.1, 0.2, 0.3]);
         let mut slam = EkfSlam::new(start, settings).unwrap();
         slam.correct(&seen).unwrap();
@@ -68,7 +70,7 @@ fn common_errors_cancel_between_landmarks() {
         let mut slam = EkfSlam::new(start, settings).unwrap();
         slam.correct(&[see(1, 4.0, 0.0), see(2, 5.0, 0.0)]).unwrap();
         let p = slam.covariance().unwrap();
-        let noise = settings.observation_noise;
+        let noise = settings.robot.camera;
         let between = |k: usize| p[(k, k)] + p[(k + 2, k + 2)] - 2.0 * p[(k, k + 2)];
         let (range, bearing) = (noise.range_sigma.powi(2), noise.bearing_sigma.powi(2));
         assert_relative_eq!(p[(3, 3)], range, epsilon = 1e-12);

@@ -2,7 +2,8 @@
 
 use loc_core::Gaussian;
 use loc_core::random::stream;
-use loc_filters::slam::{LinearSlam, LinearSlamSettings, RelativeObservation};
+use loc_filters::RobotSettings;
+use loc_filters::slam::{LinearSlam, MapSettings, RelativeObservation, SlamSettings};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -18,7 +19,7 @@ fn see(landmark: u32, x: f64, y: f64) -> RelativeObservation {
 /// all positions and all measurements: they are solved by nothing that the filter uses.
 #[test]
 fn equals_least_squares_over_the_whole_drive() {
-    let settings = LinearSlamSettings { gate_probability: 1.0, ..Default::default() };
+    let settings = SlamSettings::default().robot(RobotSettings::default().gate_probability(1.0));
     let start = Gaussian::new(Vector2::new(0.5, 0.1), Matrix2::identity() * 0.01);
     let mut slam = LinearSlam::new(start.unwrap(), settings).unwrap();
     // Unknowns along one axis: positions 0 to STEPS, then the landmarks. The axes are independent.
@@ -47,7 +48,7 @@ fn equals_least_squares_over_the_whole_drive() {
             .collect();
         for axis in 0..2 {
             let way = 0.5 * velocity[axis];
-            let variance = settings.k_d * way.abs();
+            let variance = settings.robot.odometry.k_d() * way.abs();
             add(axis, &[(step, 1.0), (step - 1, -1.0)], way, variance);
             for observation in &seen {
                 let landmark = STEPS + 1 + observation.landmark as usize - 10;
@@ -74,7 +75,7 @@ fn equals_least_squares_over_the_whole_drive() {
 #[test]
 fn a_new_landmark_is_as_uncertain_as_robot_and_sensor_together() {
     let start = Gaussian::new(Vector2::zeros(), Matrix2::identity() * 0.04).unwrap();
-    let mut slam = LinearSlam::new(start, LinearSlamSettings::default()).unwrap();
+    let mut slam = LinearSlam::new(start, SlamSettings::default()).unwrap();
     let seen = [1.0, 1.05].map(|x| see(5, x, 0.0));
     // The second of the two is held against the landmark that the first has put there.
     let innovations = slam.correct(&seen).unwrap();
@@ -95,7 +96,7 @@ fn a_new_landmark_is_as_uncertain_as_robot_and_sensor_together() {
 #[test]
 fn bad_input_is_refused_and_changes_nothing() {
     let start = Gaussian::certain(Vector2::zeros());
-    let settings = LinearSlamSettings { max_landmarks: 2, ..Default::default() };
+    let settings = SlamSettings::default().map(MapSettings::default().max_landmarks(2));
     let mut slam = LinearSlam::new(start, settings).unwrap();
     let see = |landmark, x| see(landmark, x, 0.0);
     assert!(slam.correct(&[see(1, 1.0), see(2, f64::NAN)]).is_err());
@@ -107,7 +108,11 @@ fn bad_input_is_refused_and_changes_nothing() {
     assert_eq!(slam.landmarks().count(), 2);
     let singular = RelativeObservation { covariance: Matrix2::zeros(), ..see(1, 1.0) };
     assert!(slam.correct(&[singular]).is_err());
-    let wrong = LinearSlamSettings { k_d: -1.0, ..settings };
+    let wrong =
+        settings.robot(settings.robot.odometry(loc_core::motion::VelocityNoise {
+            distance_sigma: -1.0,
+            ..Default::default()
+        }));
     assert!(LinearSlam::new(start, wrong).is_err());
 }
 
@@ -115,7 +120,7 @@ fn bad_input_is_refused_and_changes_nothing() {
 #[test]
 fn the_axes_of_an_observation_may_be_turned() {
     let start = Gaussian::new(Vector2::zeros(), Matrix2::identity() * 0.04).unwrap();
-    let mut slam = LinearSlam::new(start, LinearSlamSettings::default()).unwrap();
+    let mut slam = LinearSlam::new(start, SlamSettings::default()).unwrap();
     let covariance = Matrix2::new(0.05, 0.03, 0.03, 0.04);
     slam.correct(&[see(1, 1.0, 2.0)]).unwrap();
     slam.predict(Vector2::new(1.0, 0.0), 1.0).unwrap();

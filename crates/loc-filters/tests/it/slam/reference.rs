@@ -3,6 +3,7 @@
 use approx::assert_relative_eq;
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, Twist2, angle};
+use loc_filters::RobotSettings;
 use loc_filters::localizer::Decision;
 use loc_filters::slam::{EkfSlam, Jacobians, SlamSettings};
 use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
@@ -29,19 +30,20 @@ impl Textbook {
 
     fn predict(&mut self, twist: Twist2, dt: f64) {
         let pose = Pose2::new(self.x[0], self.x[1], self.x[2]);
-        let (moved, j) = self.settings.integration.step_with_jacobians(pose, twist, dt);
+        let (moved, j) = self.settings.robot.integration.step_with_jacobians(pose, twist, dt);
         let mut g = DMatrix::identity(self.x.len(), self.x.len());
         g.fixed_view_mut::<3, 3>(0, 0).copy_from(&j.by_pose);
         self.p = &g * &self.p * g.transpose();
-        let noise =
-            j.by_twist * self.settings.motion_noise.covariance(twist, dt) * j.by_twist.transpose();
+        let noise = j.by_twist
+            * self.settings.robot.odometry.covariance(twist, dt)
+            * j.by_twist.transpose();
         let robot = self.p.fixed_view::<3, 3>(0, 0) + noise;
         self.p.fixed_view_mut::<3, 3>(0, 0).copy_from(&robot);
         self.x.fixed_rows_mut::<3>(0).copy_from(&moved.to_vector());
     }
 
     fn noise(&self, range: f64) -> Matrix2<f64> {
-        let noise = self.settings.observation_noise;
+        let noise = self.settings.robot.camera;
         let sigmas = Vector2::new(noise.range_sigma_at(range), noise.bearing_sigma);
         Matrix2::from_diagonal(&sigmas.component_mul(&sigmas))
     }
@@ -131,8 +133,9 @@ fn see(pose: Pose2, id: u32, off: f64) -> LandmarkObservation {
 /// once: whatever remains beside the whole vectors of the processor, the matrices are the same.
 #[test]
 fn equals_the_textbook_on_full_matrices() {
-    let settings =
-        SlamSettings::default().robot(RobotSettings::default().gate_probability(1.0)).jacobians(Jacobians::Current);
+    let settings = SlamSettings::default()
+        .robot(RobotSettings::default().gate_probability(1.0))
+        .jacobians(Jacobians::Current);
     let start = loc_core::gaussian::pose_belief(Pose2::new(0.3, -0.2, 0.4), [0.2, 0.1, 0.05]);
     let mut slam = EkfSlam::new(start, settings).unwrap();
     let mut book = Textbook::new(&start, settings);
@@ -142,7 +145,7 @@ fn equals_the_textbook_on_full_matrices() {
         let twist = Twist2::forward(rng.random_range(0.1..0.5), rng.random_range(-0.5..0.5));
         slam.predict(twist, 0.2).unwrap();
         book.predict(twist, 0.2);
-        truth = settings.integration.step(truth, twist, 0.2);
+        truth = settings.robot.integration.step(truth, twist, 0.2);
         let mut seen = vec![see(truth, step, 0.0)];
         for k in 0..(step % 9).min(step) {
             seen.push(see(truth, (step * 5 + 3 * k) % step, 0.01 * f64::from(k + 1)));

@@ -25,7 +25,7 @@ fn drive(settings: SlamSettings, mut look: impl FnMut(usize, &EkfSlam, &EkfSlam)
     let mut rng = stream(6, "camera");
     for step in 0..276 {
         let twist = Twist2::forward(0.5, 0.5 / 7.0);
-        truth = settings.integration.step(truth, twist, 0.5);
+        truth = settings.robot.integration.step(truth, twist, 0.5);
         let slipping = Twist2::forward(0.502, 0.5 / 7.0 + 0.0002);
         let seen = camera.observe(&world, truth, &mut rng);
         let mut outcomes = [&mut whole, &mut parts].map(|slam| {

@@ -23,8 +23,7 @@ const PLACES: [[f64; 2]; 9] = [
 
 fn unknown(rule: Rule) -> EkfSlam {
     let association = AssociationSettings::default().rule(rule);
-    let settings =
-        SlamSettings::default().identities(Identities::Unknown).association(association);
+    let settings = SlamSettings::default().identities(Identities::Unknown).association(association);
     EkfSlam::new(Gaussian::certain(Pose2::IDENTITY.to_vector()), settings).unwrap()
 }
 
@@ -40,7 +39,7 @@ fn two_rounds_find_every_landmark_once() {
         let mut truth = Pose2::IDENTITY;
         for _ in 0..380 {
             // Odometry reports a little too much.
-            truth = slam.settings().integration.step(truth, twist, 0.2);
+            truth = slam.settings().robot.integration.step(truth, twist, 0.2);
             slam.predict(Twist2::forward(0.51, 0.51 / 3.0), 0.2).unwrap();
             let mut seen = camera.observe(&world, truth, &mut rng);
             seen.iter_mut().for_each(|observation| observation.landmark = 0);
@@ -106,7 +105,7 @@ fn coming_back_from_a_long_way_closes_the_loop() {
         let mut truth = Pose2::IDENTITY;
         for _ in 0..276 {
             let twist = Twist2::forward(0.5, 0.5 / 7.0);
-            truth = slam.settings().integration.step(truth, twist, 0.5);
+            truth = slam.settings().robot.integration.step(truth, twist, 0.5);
             slam.predict(Twist2::forward(0.502, 0.5 / 7.0 + 0.0002), 0.5).unwrap();
             slam.correct(&camera.observe(&world, truth, &mut rng)).unwrap();
         }

@@ -97,7 +97,6 @@ impl BeamModelSettings {
             ..*self
         })
     }
-
 }
 
 /// Minimum density of a range \[1/m\], so that a share of 0 excludes no pose for good.

@@ -11,7 +11,13 @@ use std::f64::consts::PI;
 /// The constants as numbers that may have any value.
 fn decode(numbers: &[f64; 6]) -> LostSettings {
     let [memory, bias, margin, blocked, near, support] = *numbers;
-    LostSettings::default().memory(1.0 / (1.0 + (-memory).exp())).bias(bias).margin_weight(margin.abs()).blocked_weight(blocked.abs()).near_weight(near.abs()).support_exponent(support.abs())
+    LostSettings::default()
+        .memory(1.0 / (1.0 + (-memory).exp()))
+        .bias(bias)
+        .margin_weight(margin.abs())
+        .blocked_weight(blocked.abs())
+        .near_weight(near.abs())
+        .support_exponent(support.abs())
 }
 
 /// Least value of a function by the simplex method of Nelder and Mead (1965).

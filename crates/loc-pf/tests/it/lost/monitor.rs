@@ -12,7 +12,13 @@ use loc_sensors::laser::LaserScan;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn settings() -> LostSettings {
-    LostSettings::default().memory(0.5).bias(1.0).margin_weight(2.0).blocked_weight(3.0).near_weight(0.5).support_exponent(2.0)
+    LostSettings::default()
+        .memory(0.5)
+        .bias(1.0)
+        .margin_weight(2.0)
+        .blocked_weight(3.0)
+        .near_weight(0.5)
+        .support_exponent(2.0)
 }
 
 fn logistic(odds: f64) -> f64 {

@@ -11,13 +11,14 @@ use super::show::{Finished, OutputArgs, show};
 use crate::localizer::{Method, MethodSettings};
 use crate::record::PlaybackRecorder;
 use crate::runner::Observers;
-use crate::scenario::recording;
+use crate::scenario::{RecordingConfig, recording};
 use crate::source::landmarks::{kf_slam_demo, victoria_park};
 use crate::source::laser_log::Scans;
 use crate::source::ranging::{labyrinth, plaza};
 use crate::source::{Source, landmarks, mrclam, text};
 use crate::{Error, Result, runner};
 use anyhow::bail;
+use loc_filters::RobotSettings;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -70,7 +71,8 @@ pub struct ReplayArgs {
     /// suits the format where left out.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Print the settings that suit the format as TOML instead of running.
+    /// Print the settings that suit the format as TOML instead of running, with all settings in
+    /// effect as comments.
     #[arg(long)]
     pub print_config: bool,
     /// Options for bags.
@@ -170,7 +172,19 @@ fn print_config(args: &ReplayArgs) -> anyhow::Result<()> {
         }
         Format::Carmen | Format::Wean | Format::Ros => recording::LASER,
     };
-    super::print(text.trim_end())
+    let (name, text) = match &args.config {
+        Some(file) if source::is_yaml(file) => {
+            return super::print(source::from_parameters(file, &args.output.changes)?.trim_end());
+        }
+        Some(file) => {
+            let text = std::fs::read_to_string(file).map_err(loc_core::Error::io(file))?;
+            (file.display().to_string(), text)
+        }
+        None => ("settings of the format".to_owned(), text.to_owned()),
+    };
+    let config = RecordingConfig::parse(&name, &text, &args.output.changes)?;
+    let settings = config.settings(RobotSettings::default())?;
+    super::print(&super::with_effective(&text, &settings)?)
 }
 
 /// Refuses options that a format has no use for.

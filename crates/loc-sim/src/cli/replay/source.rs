@@ -122,7 +122,12 @@ fn parameters(file: &Path, changes: &[String]) -> Result<Configuration> {
     Ok(Configuration { settings, options, names, without_bag })
 }
 
-fn is_yaml(file: &Path) -> bool {
+/// The settings that a parameter file of nav2_amcl gives, as TOML.
+pub(super) fn from_parameters(file: &Path, changes: &[String]) -> Result<String> {
+    parameters(file, changes)?.settings.to_toml()
+}
+
+pub(super) fn is_yaml(file: &Path) -> bool {
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     ending.is_some_and(|ending| ending == "yaml" || ending == "yml")
 }
@@ -250,8 +255,7 @@ pub(super) fn mrclam(args: &ReplayArgs, log: &Path) -> anyhow::Result<Replay> {
         None => RecordingConfig::parse("settings for mrclam", recording::MRCLAM, changes)?,
     };
     let source = Mrclam::open(log, args.robot)?;
-    let source =
-        Calibrated::new(source, config.odometry, config.camera)?;
+    let source = Calibrated::new(source, config.odometry, config.camera)?;
     Ok(Replay {
         source: Box::new(source),
         settings: MethodSettings { seed: SEED, ..config.settings(RobotSettings::default())? },

@@ -360,8 +360,7 @@ impl DriveConfig {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`].
     pub(crate) fn robot(&self) -> Result<RobotSettings> {
-        let mut settings =
-            RobotSettings::default().odometry(self.body()?.noise()?);
+        let mut settings = RobotSettings::default().odometry(self.body()?.noise()?);
         if let Some(camera) = &self.camera {
             let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
             settings = settings.mounting(mounting).camera(noise);

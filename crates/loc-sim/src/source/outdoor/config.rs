@@ -4,11 +4,11 @@ use crate::Result;
 use crate::config::field;
 use crate::source::StartSigma;
 use crate::source::drive::{LandmarkConfig, WheelConfig};
-use loc_core::{Pose2, Twist2};
 use loc_core::error::{finite, non_negative, positive};
 use loc_core::motion::VelocityNoise;
-use loc_filters::fusion::FusionSettings;
+use loc_core::{Pose2, Twist2};
 use loc_filters::RobotSettings;
+use loc_filters::fusion::FusionSettings;
 use loc_maps::{Landmark, LandmarkMap};
 use loc_sensors::compass::{Compass, CompassNoise};
 use loc_sensors::gnss::GnssNoise;
@@ -254,7 +254,7 @@ impl OutdoorConfig {
         }
         if let Some(compass) = &self.compass {
             settings.compass_sigma = positive("outdoor.compass.sigma", compass.sigma)?;
-                    }
+        }
         if let Some(satellites) = &self.satellites {
             settings.gnss = satellites.noise();
         }

@@ -156,11 +156,7 @@ impl TourConfig {
         self.steps("tour.camera.every", camera.every)?;
         if camera.latency > 0.0 {
             let found = camera.latency.to_string();
-            return Err(field(
-                "tour.camera.latency",
-                "0, as late results are for a drive",
-                &found,
-            ));
+            return Err(field("tour.camera.latency", "0, as late results are for a drive", &found));
         }
         let LandmarkCamera { mounting, noise, .. } = camera.camera()?;
         Ok(settings.mounting(mounting).camera(noise))

@@ -10,9 +10,7 @@
 mod config;
 mod world;
 
-pub use config::{
-    Drawn, KidnapConfig, KidnapTarget, TourConfig,
-};
+pub use config::{Drawn, KidnapConfig, KidnapTarget, TourConfig};
 pub use world::{RobotConfig, TourWorld, WorldConfig};
 
 use super::people::Crowd;

@@ -376,8 +376,7 @@ impl Driver {
         let goal = self.wanted(pose);
         let toward = |now: f64, goal: f64, rate: f64| now + (goal - now).clamp(-rate, rate);
         let robot = &self.robot;
-        let (change, turn) =
-            (robot.acceleration * dt, robot.turn_acceleration * dt);
+        let (change, turn) = (robot.acceleration * dt, robot.turn_acceleration * dt);
         let twist = Twist2::forward(
             toward(self.twist.vx, goal.vx, change),
             toward(self.twist.omega, goal.omega, turn),

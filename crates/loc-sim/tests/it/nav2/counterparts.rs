@@ -144,8 +144,8 @@ fn the_likelihood_field_has_the_values_of_nav2() {
         "beam_skip_threshold: 0.4",
     ]);
     assert_eq!(warnings, NONE);
-    assert_eq!((mcl.beams, mcl.min_range, mcl.max_range), (90, 0.2, 20.0));
-    let FieldSettings { field, weighting, beam_skip } = field_of(&mcl);
+    assert_eq!((mcl.beams, mcl.robot.laser_min_range, mcl.robot.laser_max_range), (90, 0.2, 20.0));
+    let FieldSettings { field, weighting, beam_skip, .. } = field_of(&mcl);
     assert_eq!((field.sigma_hit, field.z_rand, field.max_range), (0.1, 0.1, 20.0));
     assert_eq!(field.max_distance, 1.5);
     assert_eq!(field.unknown_space, UnknownSpace::Likelihood(0.05));
@@ -190,6 +190,13 @@ fn the_beam_model_is_the_beam_model() {
     let reason = "belongs to the likelihood field, which is not used";
     assert_eq!(warnings, [format!("amcl.yaml:11: laser_likelihood_max_dist: {reason}")]);
     let SensorSettings::Beam(beam) = mcl.sensor else { panic!("{:?}", mcl.sensor) };
-    let expected = BeamModelSettings::default().z_hit(0.8).z_short(0.1).z_max(0.04).z_rand(0.06).sigma_hit(0.1).lambda_short(0.3).max_range(30.0);
+    let expected = BeamModelSettings::default()
+        .z_hit(0.8)
+        .z_short(0.1)
+        .z_max(0.04)
+        .z_rand(0.06)
+        .sigma_hit(0.1)
+        .lambda_short(0.3)
+        .max_range(30.0);
     assert_eq!(beam, expected);
 }

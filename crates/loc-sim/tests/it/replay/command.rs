@@ -75,7 +75,7 @@ fn seeds_and_threads() {
         "--set",
         "filter.mcl.particles.max_particles=600",
         "--set",
-        "start.heading_sigma_deg=1",
+        "start_sigma.heading=1",
     ]);
     assert_ne!(first, fewer);
 }
@@ -117,7 +117,7 @@ fn parameters_of_nav2_are_taken() {
     // What is off beside the file is switched on by its keys.
     let set = ["--set", "filter.mcl.novelty.distance={}", "--set", "filter.mcl.tempering=false"];
     assert_eq!(summary(&folder, &[&arguments[..], &set].concat())["seed"], 9);
-    let error = failure(&folder, &[&arguments[..], &["--set", "odometry.delay_s=1"]].concat());
+    let error = failure(&folder, &[&arguments[..], &["--set", "odometry.delay=1"]].concat());
     assert!(error.contains("expected keys below filter.mcl or start"), "{error}");
 }
 

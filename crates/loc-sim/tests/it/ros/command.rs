@@ -135,7 +135,7 @@ fn runs_and_replays_write_what_viewers_know() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     let laser = OF_A_LASER.map(|(topic, kind)| (topic.to_owned(), kind.to_owned()));
-    let short = ["--set", "tour.duration_s=2", "--method", "mcl", "--mcap", "run.mcap"];
+    let short = ["--set", "tour.duration=2", "--method", "mcl", "--mcap", "run.mcap"];
     loc_sim(path, &[&["run", "position-tracking"][..], &short].concat());
     assert_eq!(topics(&path.join("run.mcap")), BTreeMap::from(laser.clone()));
     let yaml = "image: map.pgm\nresolution: 0.5\norigin: [-10, -10, 0]\nnegate: 0\n\

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 fn a_run_becomes_topics_of_ros() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("run.mcap");
-    let changes = ["duration_s=3".to_owned()];
+    let changes = ["duration=3".to_owned()];
     let scenario = Scenario::named("landmark-drive", &changes)
         .or_else(|_| Scenario::named("landmark-drive", &[]))
         .unwrap();

@@ -1,6 +1,7 @@
 //! Sensors beside the laser: clouds of points, inertial units, satellite receivers.
 
 use loc_core::Pose2;
+use loc_filters::RobotSettings;
 use loc_ros::messages::*;
 use loc_ros::{McapWriter, RecordingOptions};
 use loc_sensors::event::{Event, Measurement, Payload};
@@ -265,7 +266,7 @@ fn fusion_takes_what_the_bag_has() {
     let (mut recording, _folder) = bag.open(&RosOptions::default());
     let config = RecordingConfig::parse("lasers", recording::LASER, &[]).unwrap();
     let methods = [Method::DeadReckoning, Method::Fusion];
-    let settings = config.settings().unwrap();
+    let settings = config.settings(RobotSettings::default()).unwrap();
     let run = runner::run(&mut recording, &methods, &settings, &mut |_| {}).unwrap();
     let summary = Summary::of(&run, None, Alignment::None).unwrap();
     let rmse = |index: usize| summary.methods[index].1.errors.unwrap().ate_rmse_m;

@@ -21,7 +21,7 @@ fn lines(folder: &Path) -> Vec<String> {
 
 #[test]
 fn any_number_of_threads_gives_the_same_tables() {
-    let study = drive(8, &["filter.gate_probability=0.9,0.99"], &[Method::Ekf, Method::Mcl]);
+    let study = drive(8, &["filter.robot.gate_probability=0.9,0.99"], &[Method::Ekf, Method::Mcl]);
     let [one, two, five] = [1, 2, 5].map(|threads| {
         let folder = TempDir::new().unwrap();
         let csv = complete(&study, folder.path(), threads);
@@ -96,29 +96,28 @@ fn a_line_that_is_damaged_elsewhere_is_an_error() {
 #[test]
 fn the_journal_of_another_study_is_refused_with_a_remedy() {
     let folder = TempDir::new().unwrap();
-    let study = drive(2, &["filter.gate_probability=0.9,0.99"], &[Method::Ekf]);
+    let study = drive(2, &["filter.robot.gate_probability=0.9,0.99"], &[Method::Ekf]);
     complete(&study, folder.path(), 1);
     let kept = fs::read(folder.path().join(FILE)).unwrap();
-    let source =
-        StudySource::named("landmark-drive", &["drive.camera.every_s=0.2".into()]).unwrap();
+    let source = StudySource::named("landmark-drive", &["drive.camera.every=0.2".into()]).unwrap();
     let options = || StudyOptions { runs: 2, methods: vec![Method::Ekf], ..Default::default() };
     let with = |options| Study::new(source.clone(), options).unwrap();
     for (other, message) in [
         (
-            drive(2, &["filter.gate_probability=0.9,0.95"], &[Method::Ekf]),
-            "--vary was `filter.gate_probability=0.9,0.99` there and is `filter.gate_probability=0.9,0.95` now",
+            drive(2, &["filter.robot.gate_probability=0.9,0.95"], &[Method::Ekf]),
+            "--vary was `filter.robot.gate_probability=0.9,0.99` there and is `filter.robot.gate_probability=0.9,0.95` now",
         ),
         (
-            drive(2, &["filter.gate_probability=0.9,0.99"], &[Method::Ekf, Method::Mcl]),
+            drive(2, &["filter.robot.gate_probability=0.9,0.99"], &[Method::Ekf, Method::Mcl]),
             "--method was `ekf` there and is `mcl` now",
         ),
         (
             drive(2, &[], &[Method::Ekf]),
-            "--vary was `filter.gate_probability=0.9,0.99` there and is `nothing` now",
+            "--vary was `filter.robot.gate_probability=0.9,0.99` there and is `nothing` now",
         ),
         (
             with(options()),
-            "the scenario was `drive.camera.every_s = 0.5` there and is `drive.camera.every_s = 0.2` now",
+            "the scenario was `drive.camera.every = 0.5` there and is `drive.camera.every = 0.2` now",
         ),
     ] {
         let error = other.run(folder.path(), 1, &mut |_| true).unwrap_err();

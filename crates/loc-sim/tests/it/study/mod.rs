@@ -17,7 +17,7 @@ use tempfile::TempDir;
 /// A study of `landmark-drive`, shortened to its first leg.
 fn drive(runs: u64, vary: &[&str], methods: &[Method]) -> Study {
     let vary: Vec<Axis> = vary.iter().map(|text| text.parse().unwrap()).collect();
-    let course = "drive.course=[{duration_s=6.0,v_m_s=0.5,omega_deg_s=10.0}]".to_owned();
+    let course = "drive.course=[{duration=6.0,v=0.5,omega='10 deg/s'}]".to_owned();
     let source = StudySource::named("landmark-drive", &[course]).unwrap();
     let methods = methods.to_vec();
     Study::new(source, StudyOptions { runs, vary, methods, ..Default::default() }).unwrap()
@@ -132,16 +132,12 @@ fn unknown_settings_are_named_with_what_exists() {
         ),
         (
             "landmark-drive",
-            "filter.integration=euler,simpson",
-            "--vary filter.integration=\"simpson\": unknown variant `simpson`, expected one of `euler`",
+            "filter.robot.integration=euler,simpson",
+            "--vary filter.robot.integration=\"simpson\": unknown variant `simpson`, expected one of `euler`",
         ),
-        ("landmark-drive", "drive.camera.every_s=-1.0", "--vary drive.camera.every_s=-1.0"),
+        ("landmark-drive", "drive.camera.every=-1.0", "--vary drive.camera.every=-1.0"),
         ("landmark-drive", "filter.particles=many", "expected usize"),
-        (
-            "landmark-drive",
-            "drive.course.9.v_m_s=1",
-            "expected the key of a table or array, got `9`",
-        ),
+        ("landmark-drive", "drive.course.9.v=1", "expected the key of a table or array, got `9`"),
     ] {
         let error = study(scenario, &[vary], &[Method::Ekf]).unwrap_err();
         assert!(error.contains(message), "{vary}: {error}");
@@ -186,11 +182,11 @@ fn short_names_stand_for_full_ones() {
         let changes: Vec<String> = changes.iter().map(|&c| c.to_owned()).collect();
         loc_sim::scenario::Scenario::named("position-tracking", &changes).unwrap()
     };
-    let short = of(&["filter.particles=300", "laser.sigma=0.05", "laser.every_s=0.4"]);
-    let particles = &short.filter.as_ref().unwrap().mcl.particles;
+    let short = of(&["filter.particles=300", "laser.sigma=0.05", "laser.every=0.4"]);
+    let particles = &short.settings().unwrap().mcl.particles;
     assert_eq!((particles.min_particles, particles.max_particles), (300, 300));
     let laser = short.tour.as_ref().unwrap().laser;
-    assert_eq!((laser.sigma_m, laser.every_s), (Some(0.05), 0.4));
+    assert_eq!((laser.sigma, laser.every), (Some(0.05), 0.4));
     let drive = drive(1, &["camera.range_sigma=0.1,0.3"], &[Method::Ekf]);
     assert_eq!(drive.grid().cells(), 2);
 }
@@ -198,8 +194,11 @@ fn short_names_stand_for_full_ones() {
 /// The figures of a group are those of its runs, made here one by one.
 #[test]
 fn groups_are_what_their_runs_are() {
-    let study =
-        drive(12, &["filter.gate_probability=0.5,0.999"], &[Method::DeadReckoning, Method::Ekf]);
+    let study = drive(
+        12,
+        &["filter.robot.gate_probability=0.5,0.999"],
+        &[Method::DeadReckoning, Method::Ekf],
+    );
     let folder = TempDir::new().unwrap();
     assert!(study.run(folder.path(), 2, &mut |_| true).unwrap());
     let results = study.results(folder.path()).unwrap();
@@ -210,7 +209,7 @@ fn groups_are_what_their_runs_are() {
         ("ekf", 12, Some(0.5))
     );
     let mut scenario = study.scenario().clone();
-    scenario.filter.get_or_insert_default().gate_probability = Some(0.5);
+    scenario.set_filter("robot.gate_probability=0.5").unwrap();
     let (mut errors, mut tests) = (Vec::new(), Consistency::new(0.95).unwrap());
     let mut near = 0;
     for seed in 1..=12 {
@@ -246,14 +245,14 @@ fn groups_are_what_their_runs_are() {
 /// Each row is the `summary.json` of its run.
 #[test]
 fn a_row_has_the_figures_of_the_summary() {
-    let study = drive(2, &["filter.integration=euler,midpoint"], &[Method::Ekf]);
+    let study = drive(2, &["filter.robot.integration=euler,midpoint"], &[Method::Ekf]);
     let folder = TempDir::new().unwrap();
     assert!(study.run(folder.path(), 1, &mut |_| true).unwrap());
     study.write(folder.path(), "test").unwrap();
     let csv = fs::read_to_string(folder.path().join("runs.csv")).unwrap();
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
     let mut scenario = study.scenario().clone();
-    scenario.filter.get_or_insert_default().integration = loc_core::motion::Integration::Midpoint;
+    scenario.set_filter("robot.integration=midpoint").unwrap();
     let run = scenario.run(Some(2), Some(&[Method::Ekf]), &mut |_| {}).unwrap();
     let summary = Summary::of(&run, Some(2), Alignment::None).unwrap();
     let json = serde_json::to_value(&summary).unwrap();
@@ -273,9 +272,9 @@ fn a_row_has_the_figures_of_the_summary() {
     // All figures but two of time, and settings, seed, method, success, duration, distance, error.
     assert_eq!(rows[0].len(), names(&json) - 2 + 7);
     let times = fs::read_to_string(folder.path().join("times.csv")).unwrap();
-    assert!(
-        times.starts_with("filter.integration,seed,method,runtime_s,realtime_factor\neuler,1,ekf,")
-    );
+    assert!(times.starts_with(
+        "filter.robot.integration,seed,method,runtime_s,realtime_factor\neuler,1,ekf,"
+    ));
 }
 
 #[test]

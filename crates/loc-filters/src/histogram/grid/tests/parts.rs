@@ -156,7 +156,15 @@ fn the_fine_grid_takes_over_and_gives_back_all() {
 /// Without noise the fine grid moves as a whole, each layer by the way of its own heading.
 #[test]
 fn the_fine_grid_moves_with_the_odometry() {
-    let still = PathNoise::default().along(0.0).across(0.0).drift(0.0).turn(0.0).pivot(0.0).min_position(0.0).min_heading(0.0).fault_probability(0.0);
+    let still = PathNoise::default()
+        .along(0.0)
+        .across(0.0)
+        .drift(0.0)
+        .turn(0.0)
+        .pivot(0.0)
+        .min_position(0.0)
+        .min_heading(0.0)
+        .fault_probability(0.0);
     let middle = Pose2::new(5.0, 1.0, 0.7);
     let mut window = Window::at(middle, &settings().fine).unwrap();
     let (layer, place) = window.cell_of(middle).unwrap();
