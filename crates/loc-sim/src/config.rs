@@ -72,7 +72,7 @@ pub(crate) fn error(file: &str, message: &str) -> Error {
 }
 
 /// Keys of version 0.1 that are elsewhere now.
-const MOVED: [(&str, &str); 23] = [
+const MOVED: [(&str, &str); 25] = [
     ("gate_probability", "filter.robot.gate_probability"),
     ("integration", "filter.robot.integration"),
     ("horizon_s", "filter.robot.horizon"),
@@ -95,7 +95,9 @@ const MOVED: [(&str, &str); 23] = [
     ("start", "start_sigma"),
     ("position_sigma_m", "start_sigma.position (rail.position_sigma on a rail)"),
     ("heading_sigma_deg", "start_sigma.heading = \"6 deg\""),
-    ("forward_m", "mounting = { x = .., y = .., theta = \"..\" }"),
+    ("forward_m", "mounting = { x = .. }"),
+    ("left_m", "mounting = { y = .. }"),
+    ("yaw_deg", "mounting = { theta = \"6 deg\" }"),
 ];
 
 /// What became of a key that is not known: its new place, or its new name without a unit.

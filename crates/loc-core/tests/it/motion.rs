@@ -358,9 +358,9 @@ fn cutting_a_way_changes_little() {
 #[test]
 fn bad_noise_is_named() {
     for (noise, message) in [
-        (PathNoise::default().along(-1.0), "noise along the path"),
-        (PathNoise::default().turn(f64::NAN), "noise of turning"),
-        (PathNoise::default().fault_probability(1.5), "odometry fault"),
+        (PathNoise::default().along(-1.0), "PathNoise.along: "),
+        (PathNoise::default().turn(f64::NAN), "PathNoise.turn: "),
+        (PathNoise::default().fault_probability(1.5), "PathNoise.fault_probability: "),
     ] {
         assert!(noise.check().unwrap_err().to_string().contains(message));
     }

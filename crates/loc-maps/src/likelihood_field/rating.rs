@@ -142,6 +142,12 @@ impl Endpoints {
         self.len
     }
 
+    /// The points, in the frame of the robot \[m\].
+    pub fn points(&self) -> impl Iterator<Item = Point2<f64>> {
+        let pairs = self.xs().iter().zip(self.ys());
+        pairs.map(|(x, y)| Point2::new(f64::from(*x), f64::from(*y)))
+    }
+
     /// Whether there are no beams.
     pub fn is_empty(&self) -> bool {
         self.len == 0

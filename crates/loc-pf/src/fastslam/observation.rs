@@ -3,7 +3,6 @@
 
 use super::FastSlamSettings;
 use loc_core::{Gaussian, Pose2};
-use loc_filters::RobotSettings;
 use loc_filters::localizer::Outcome;
 use loc_filters::{Error, Gate, Innovation, MeasurementModel, Result};
 use loc_sensors::landmark_camera::Observed;
@@ -197,6 +196,7 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use loc_filters::RobotSettings;
     use nalgebra::Vector3;
 
     #[test]

@@ -1,14 +1,14 @@
 //! The belief: the particles, with prediction, correction, resampling and injection.
 
-use super::scan::{Observation, PreparedMap};
-use super::{MclSettings, MotionSettings, UpdateReport};
+use super::scan::PreparedMap;
+use super::{MclSettings, UpdateReport};
 use crate::filter::Weighing;
-use crate::motion::{DifferentialStep, DrivenPath, NoisyStep, OmnidirectionalStep, PathNoise};
+use crate::motion::{DrivenPath, PathNoise};
 use crate::recovery::{AugmentedMcl, Suspicion, UsualEvidence};
 use crate::tempering::{Tempering, TemperingReport};
 use crate::{
-    Kld, Motion, ParticleFilter, Particles, PosesMut, ResamplePolicy, Resampling, Result,
-    Transport, Workers,
+    Kld, Likelihood, Motion, ParticleFilter, Particles, PosesMut, ResamplePolicy, Resampling,
+    Result, Transport, Workers,
 };
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Pose2};
@@ -37,9 +37,14 @@ pub(super) struct Belief {
 }
 
 impl Belief {
-    pub(super) fn new(settings: &MclSettings, area: f64, rng: ChaCha8Rng) -> Result<Self> {
+    pub(super) fn new(
+        settings: &MclSettings,
+        field: &LikelihoodFieldSettings,
+        area: f64,
+        rng: ChaCha8Rng,
+    ) -> Result<Self> {
         let workers = Workers::new(settings.threads)?;
-        let usual = usual_evidence(&settings.sensor.field());
+        let usual = usual_evidence(field);
         let suspicion = settings.recovery.suspicion;
         Ok(Belief {
             filter: ParticleFilter::new(Particles::new(), rng).with_workers(workers),
@@ -66,8 +71,8 @@ impl Belief {
     /// Moves the particles by a step and weights them by scans.
     pub(super) fn update(
         &mut self,
-        step: &Step,
-        scan: &Observation<'_>,
+        step: &Step<impl Motion + Transport>,
+        scan: &impl Likelihood,
         endpoints: &Endpoints,
         map: &PreparedMap,
     ) -> UpdateReport {
@@ -92,7 +97,11 @@ impl Belief {
 
     /// Samples the motion, weights, resamples: tempered, or in one stage.
     // ANCHOR: track
-    fn track(&mut self, step: &Step, scan: &Observation<'_>) -> TemperingReport {
+    fn track(
+        &mut self,
+        step: &Step<impl Motion + Transport>,
+        scan: &impl Likelihood,
+    ) -> TemperingReport {
         match &mut self.tempering {
             Some(tempering) => {
                 let count = self.filter.count_needed(&mut self.kld);
@@ -125,7 +134,11 @@ impl Belief {
     }
 
     /// Moves and weights the present particles, which a search has found.
-    pub(super) fn track_alternative(&mut self, step: &Step, scan: &Observation<'_>) {
+    pub(super) fn track_alternative(
+        &mut self,
+        step: &Step<impl Motion + Transport>,
+        scan: &impl Likelihood,
+    ) {
         let count = self.filter.count_needed(&mut self.kld);
         self.search_tempering.update(&mut self.filter, step, scan, count);
         self.shrink(count);
@@ -159,35 +172,17 @@ fn usual_evidence(field: &LikelihoodFieldSettings) -> UsualEvidence {
     UsualEvidence { expected: mixed(0.75), min: mixed(0.5) }
 }
 
-/// The motion since the last update, by the model of the settings.
+/// The motion since the last update.
 #[derive(Debug)]
-pub(super) enum Step {
-    Path(NoisyStep),
-    Differential(DifferentialStep),
-    Omnidirectional(OmnidirectionalStep),
+pub(super) enum Step<T> {
+    /// By the motion model.
+    Model(T),
     /// From the initial pose distribution, independent of the pose of a particle: mean, and a
     /// factor of the covariance.
     Start(Vector3<f64>, Matrix3<f64>),
 }
 
-impl Step {
-    pub(super) fn new(
-        path: &DrivenPath,
-        settings: &MotionSettings,
-        noise: &PathNoise,
-    ) -> Result<Self> {
-        let (from, to) = (path.start(), path.end());
-        Ok(match settings {
-            MotionSettings::Path => Step::Path(NoisyStep::new(path, noise)),
-            MotionSettings::Differential(noise) => {
-                Step::Differential(DifferentialStep::between(from, to, noise)?)
-            }
-            MotionSettings::Omnidirectional(noise) => {
-                Step::Omnidirectional(OmnidirectionalStep::between(from, to, noise)?)
-            }
-        })
-    }
-
+impl<T> Step<T> {
     /// The motion from the initial pose distribution to the first scan; its covariance was checked
     /// at the start.
     pub(super) fn from_start(path: &DrivenPath, belief: &Gaussian<3>, noise: &PathNoise) -> Self {
@@ -196,26 +191,23 @@ impl Step {
     }
 }
 
-impl Motion for Step {
+impl<T: Motion + Transport> Motion for Step<T> {
     fn sample(&self, poses: PosesMut<'_>, rng: &mut ChaCha8Rng) {
         let one_by_one = |pose, rng: &mut ChaCha8Rng| {
             self.moved(pose, std::array::from_fn(|_| StandardNormal.sample(rng)))
         };
         match self {
-            Step::Path(step) => step.sample(poses, rng),
-            Step::Differential(step) => step.sample(poses, rng),
-            Step::Omnidirectional(step) => step.sample(poses, rng),
+            Step::Model(step) => step.sample(poses, rng),
             Step::Start(..) => one_by_one.sample(poses, rng),
         }
     }
 }
 
-impl Transport for Step {
+impl<T: Transport> Transport for Step<T> {
+    #[inline]
     fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
         match self {
-            Step::Path(step) => step.moved(pose, noise),
-            Step::Differential(step) => step.moved(pose, noise),
-            Step::Omnidirectional(step) => step.moved(pose, noise),
+            Step::Model(step) => step.moved(pose, noise),
             Step::Start(mean, factor) => {
                 let [a, b, c, _] = noise;
                 Pose2::from_vector(&(mean + factor * Vector3::new(a, b, c)))

@@ -9,7 +9,7 @@
 //! The files: this one has the filter, its update and its saved state; `belief` the particles with
 //! prediction, correction and resampling; `scan` the scans and the map prepared for the sensor
 //! model; `recovery` the search for the robot elsewhere; `range_offset` the estimate of a common
-//! range offset; `settings` all settings.
+//! range offset; `models` the interface of a motion and a sensor model; `settings` all settings.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -30,13 +30,15 @@
 //! ```
 
 mod belief;
+mod models;
 mod range_offset;
 mod recovery;
 mod scan;
 mod settings;
 
+pub use models::{ModelStep, MotionModel, ScanModel, ScanView};
 pub use range_offset::{RangeOffset, RangeOffsetEstimate};
-pub use scan::MountedScan;
+pub use scan::{MountedScan, Observation};
 pub use settings::{
     FieldSettings, MclSettings, MotionSettings, NoveltyFilter, RecoverySettings, SensorSettings,
     Weighting,
@@ -59,10 +61,13 @@ use loc_sensors::event::{Control, Measurement};
 use recovery::Alternative;
 use scan::{PreparedMap, endpoints, select};
 
-/// A robot with lasers in a known map.
+/// A robot with lasers in a known map, with a motion and a sensor model: those of the settings, or a
+/// user's own ([`MotionModel`], [`ScanModel`]).
 #[derive(Debug)]
-pub struct Mcl {
+pub struct Mcl<M = MotionSettings, S = SensorSettings> {
     settings: MclSettings,
+    motion: M,
+    sensor: S,
     map: PreparedMap,
     belief: Belief,
     /// The path of the odometry since the last update.
@@ -126,9 +131,26 @@ impl Mcl {
     /// # Errors
     /// Settings out of range, [`loc_maps::Error::NoFreeSpace`], [`crate::Error::Threads`].
     pub fn new(grid: &OccupancyGrid, settings: MclSettings, rng: ChaCha8Rng) -> Result<Self> {
+        let (motion, sensor) = (settings.motion, settings.sensor);
+        Mcl::with_models(grid, settings, motion, sensor, rng)
+    }
+}
+
+impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
+    /// The same with models of motion and sensor that take the place of those of the settings.
+    ///
+    /// # Errors
+    /// As for [`new`](Mcl::new).
+    pub fn with_models(
+        grid: &OccupancyGrid,
+        settings: MclSettings,
+        motion: M,
+        sensor: S,
+        rng: ChaCha8Rng,
+    ) -> Result<Self> {
         settings.check()?;
-        let map = PreparedMap::new(grid, &settings)?;
-        let mut belief = Belief::new(&settings, map.free_space.area(), rng)?;
+        let map = PreparedMap::new(grid, &sensor, &settings)?;
+        let mut belief = Belief::new(&settings, &sensor.field(), map.free_space.area(), rng)?;
         let workers = belief.filter.workers().clone();
         let mut clusterer = Clusterer::new(settings.clusters)?.with_workers(workers);
         let estimate = clusterer.estimate(&Particles::new());
@@ -137,6 +159,8 @@ impl Mcl {
         let (path, start) = (None, None);
         let mut mcl = Mcl {
             settings,
+            motion,
+            sensor,
             map,
             belief,
             path,
@@ -246,15 +270,18 @@ impl Mcl {
         let noise = &self.settings.robot.path;
         let step = match self.start.take() {
             Some(belief) => Step::from_start(&path, &belief, noise),
-            None => Step::new(&path, &self.settings.motion, noise)?,
+            None => Step::Model(self.motion.step(&path, &self.settings.robot)?),
         };
         self.path = Some(DrivenPath::starting_at(path.end()));
-        let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
+        let beams = self.select(scans);
         let beams = self.without_novel(&step, scans, beams)?;
         let offset = self.range_offset();
         let endpoints = self.without_skipped(&step, endpoints(scans, &beams, offset));
-        let scan = self.map.observe(scans, &beams, &endpoints, &self.settings)?;
-        let report = self.belief.update(&step, &scan, &endpoints, &self.map);
+        let report = {
+            let view = self.map.view(scans, &beams, &endpoints, &self.settings);
+            let scan = self.sensor.likelihood(&view)?;
+            self.belief.update(&step, &scan, &endpoints, &self.map)
+        };
         let particles = self.belief.filter.particles();
         self.estimate = self.clusterer.estimate(particles);
         let pose = self.estimate.belief.pose();
@@ -264,16 +291,26 @@ impl Mcl {
             .both(|| rater.rate_by(workers, pose, scans), || tolerance.support(particles, pose));
         self.monitor.update(fit, support);
         let searched = report.searched || self.update_alternative(&step, scans)?;
-        if self.settings.estimates_range_offset() && !searched && self.lost() < MAX_LOST {
+        if self.estimates_range_offset() && !searched && self.lost() < MAX_LOST {
             self.offset.update(&self.map.field, scans, &beams, pose, offset);
         }
         Ok(UpdateReport { searched, ..report })
     }
 
+    /// Whether the filter estimates how much the ranges are short.
+    fn estimates_range_offset(&self) -> bool {
+        self.sensor.is_field_product() && self.settings.range_offset == RangeOffset::Estimated
+    }
+
+    /// Numbers of the beams to use, for each scan.
+    fn select(&self, scans: &[MountedScan<'_>]) -> Vec<Vec<usize>> {
+        scans.iter().map(|s| select(s.scan, &self.sensor, &self.settings)).collect()
+    }
+
     /// The beams without those that the novelty filter drops (K3).
     fn without_novel(
         &self,
-        step: &Step,
+        step: &Step<M::Step>,
         scans: &[MountedScan<'_>],
         beams: Vec<Vec<usize>>,
     ) -> Result<Vec<Vec<usize>>> {
@@ -286,17 +323,15 @@ impl Mcl {
     }
 
     /// The ends of the beams without those that beam skipping drops.
-    fn without_skipped(&self, step: &Step, endpoints: Endpoints) -> Endpoints {
-        match self.settings.sensor {
-            SensorSettings::LikelihoodField(FieldSettings { beam_skip: Some(skip), .. }) => {
-                skip.apply(&self.map.field, self.predicted(step).poses(), &endpoints)
-            }
-            _ => endpoints,
+    fn without_skipped(&self, step: &Step<M::Step>, endpoints: Endpoints) -> Endpoints {
+        match self.sensor.beam_skip() {
+            Some(skip) => skip.apply(&self.map.field, self.predicted(step).poses(), &endpoints),
+            None => endpoints,
         }
     }
 
     /// The particles after the step, without its noise.
-    fn predicted(&self, step: &Step) -> Particles {
+    fn predicted(&self, step: &Step<M::Step>) -> Particles {
         let particles = self.belief.filter.particles();
         let mut predicted = Particles::new();
         for (pose, weight) in particles.poses().iter().zip(particles.log_weights()) {
@@ -407,7 +442,7 @@ impl Mcl {
 }
 
 /// Predicts with the poses of an odometry and corrects with scans; a scan is one outcome.
-impl Localizer for Mcl {
+impl<M: MotionModel, S: ScanModel> Localizer for Mcl<M, S> {
     fn predict(&mut self, _stamp: f64, control: &Control) -> loc_filters::Result<()> {
         let Control::Odometry(pose) = control else { return Ok(()) };
         Ok(self.odometry(*pose)?)

@@ -10,9 +10,9 @@
 //! monitor gives the tracked belief less than even odds. The belief that was tracked until then
 //! becomes the alternative, for a limited number of scans.
 
-use super::Mcl;
 use super::belief::{Belief, Step};
-use super::scan::{MountedScan, PreparedMap, endpoints, select};
+use super::scan::{MountedScan, PreparedMap, endpoints};
+use super::{Mcl, MotionModel, ScanModel};
 use crate::confidence::{LostMonitor, Tolerance};
 use crate::recovery::Suspicion;
 use crate::{Likelihood, Particles, Result, Transport};
@@ -59,12 +59,12 @@ enum Found {
     Nothing,
 }
 
-impl Mcl {
+impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
     /// Updates the alternative with the scans or, if the tracked belief is doubtful, searches for
     /// one. Returns whether the map was searched.
     pub(super) fn update_alternative(
         &mut self,
-        step: &Step,
+        step: &Step<M::Step>,
         scans: &[MountedScan<'_>],
     ) -> Result<bool> {
         if let Some(mut alternative) = self.alternative.take() {
@@ -86,11 +86,12 @@ impl Mcl {
     }
 
     /// Moves and weights the present particles as the tracked ones, with beams selected by them.
-    fn weigh_alternative(&mut self, step: &Step, scans: &[MountedScan<'_>]) -> Result<()> {
-        let beams = scans.iter().map(|mounted| select(mounted.scan, &self.settings)).collect();
+    fn weigh_alternative(&mut self, step: &Step<M::Step>, scans: &[MountedScan<'_>]) -> Result<()> {
+        let beams = self.select(scans);
         let beams = self.without_novel(step, scans, beams)?;
         let endpoints = self.without_skipped(step, endpoints(scans, &beams, self.range_offset()));
-        let scan = self.map.observe(scans, &beams, &endpoints, &self.settings)?;
+        let view = self.map.view(scans, &beams, &endpoints, &self.settings);
+        let scan = self.sensor.likelihood(&view)?;
         self.belief.track_alternative(step, &scan);
         Ok(())
     }
@@ -98,9 +99,10 @@ impl Mcl {
     /// How much better scans fit at some particles than at the tracked ones \[nats\]. All beams
     /// count, also those that a novelty filter would drop.
     fn gain(&self, particles: &Particles, scans: &[MountedScan<'_>]) -> Result<f64> {
-        let beams: Vec<_> = scans.iter().map(|s| select(s.scan, &self.settings)).collect();
+        let beams = self.select(scans);
         let endpoints = endpoints(scans, &beams, self.range_offset());
-        let scan = self.map.observe(scans, &beams, &endpoints, &self.settings)?;
+        let view = self.map.view(scans, &beams, &endpoints, &self.settings);
+        let scan = self.sensor.likelihood(&view)?;
         let tracked = self.belief.filter.particles();
         Ok(fit(&scan, particles) - fit(&scan, tracked))
     }
@@ -165,10 +167,11 @@ impl Mcl {
     /// belief.
     fn search(&mut self, scans: &[MountedScan<'_>]) -> Result<Found> {
         let offset = self.range_offset();
-        let Mcl { map, belief, rater, clusterer, settings, .. } = self;
-        let beams: Vec<_> = scans.iter().map(|s| select(s.scan, settings)).collect();
+        let beams = self.select(scans);
+        let Mcl { map, belief, rater, clusterer, settings, sensor, .. } = self;
         let endpoints = endpoints(scans, &beams, offset);
-        let scan = map.observe(scans, &beams, &endpoints, settings)?;
+        let view = map.view(scans, &beams, &endpoints, settings);
+        let scan = sensor.likelihood(&view)?;
         let mut shift = |pose: Pose2| {
             rater.rate(pose, scans).map_or(f64::INFINITY, |fit| settings.lost.shift(&fit))
         };

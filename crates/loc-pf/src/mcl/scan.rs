@@ -1,7 +1,6 @@
-//! Scans and the map, prepared to rate poses: [`PreparedMap`] makes an [`Observation`] of
-//! [`MountedScan`]s.
+//! Scans and the map, prepared to rate poses.
 
-use super::{MclSettings, NoveltyFilter, SensorSettings, Weighting};
+use super::{MclSettings, NoveltyFilter, ScanModel, ScanView};
 use crate::initial::FreeSpace;
 use crate::novelty::{BeliefSample, by_field};
 use crate::sensor::beam::{informative_beams_from, thinned};
@@ -22,10 +21,15 @@ pub struct MountedScan<'a> {
     pub mounting: Pose2,
 }
 
-/// Scans taken at one time, prepared to rate poses.
-pub(super) enum Observation<'a> {
+/// Scans taken at one time, prepared to rate poses by a model of
+/// [`SensorSettings`](super::SensorSettings).
+#[derive(Debug)]
+pub enum Observation<'a> {
+    /// By the product over a likelihood field.
     Product(FieldLikelihood<'a>),
+    /// By the sum of cubes over one.
     SumOfCubes(Box<SumOfCubes<'a>>),
+    /// By the ranges that the beams should have.
     Beams(Vec<BeamLikelihood<'a>>),
 }
 
@@ -41,22 +45,21 @@ impl Likelihood for Observation<'_> {
     }
 }
 
-/// Numbers of the beams of a scan to use: valid ones within the settings' ranges for the likelihood
-/// field, also those without a return for the beam model; thinned after the others are dropped.
-pub(super) fn select(scan: &LaserScan, settings: &MclSettings) -> Vec<usize> {
-    match settings.sensor {
-        SensorSettings::Beam(_) => {
-            let nearest = settings.robot.laser_min_range.max(scan.range_min);
-            informative_beams_from(scan, nearest, settings.beams)
-        }
-        SensorSettings::LikelihoodField(_) => {
-            let range = settings.robot.laser_min_range..=settings.robot.laser_max_range;
-            // A beam with the maximum range has no return.
-            let returned = |beam: &Beam| beam.range < scan.range_max;
-            let beams = scan.beams().filter(|beam| range.contains(&beam.range) && returned(beam));
-            thinned(beams.map(|beam| beam.index).collect(), settings.beams)
-        }
+/// Numbers of the beams of a scan to use: valid ones within the robot's limits, and those without a
+/// return for a model that uses them; thinned after the others are dropped.
+pub(super) fn select(
+    scan: &LaserScan,
+    model: &impl ScanModel,
+    settings: &MclSettings,
+) -> Vec<usize> {
+    let range = settings.robot.laser_min_range..=settings.robot.laser_max_range;
+    if model.uses_beams_without_return() {
+        return informative_beams_from(scan, range.start().max(scan.range_min), settings.beams);
     }
+    // A beam with the maximum range has no return.
+    let returned = |beam: &Beam| beam.range < scan.range_max;
+    let beams = scan.beams().filter(|beam| range.contains(&beam.range) && returned(beam));
+    thinned(beams.map(|beam| beam.index).collect(), settings.beams)
 }
 
 /// Where the selected beams of all scans end, in the robot's frame, if all ranges are `offset`
@@ -91,11 +94,15 @@ const CANDIDATES: usize = 64;
 const SAMPLE: usize = 64;
 
 impl PreparedMap {
-    pub(super) fn new(map: &OccupancyGrid, settings: &MclSettings) -> Result<Self> {
+    pub(super) fn new(
+        map: &OccupancyGrid,
+        model: &impl ScanModel,
+        settings: &MclSettings,
+    ) -> Result<Self> {
         let free_space = FreeSpace::new(map)?;
-        let field = as_wide_as_cells(settings.sensor.field(), map);
-        let casts = matches!(settings.sensor, SensorSettings::Beam(_))
-            || matches!(settings.novelty, Some(NoveltyFilter::Distance(_)));
+        let field = as_wide_as_cells(model.field(), map);
+        let casts =
+            model.casts_rays() || matches!(settings.novelty, Some(NoveltyFilter::Distance(_)));
         let search = settings.recovery.search.then(|| search(map, &field)).transpose()?;
         let field = LikelihoodField::new(map, &field)?;
         Ok(PreparedMap { free_space, field, caster: casts.then(|| RayCaster::new(map)), search })
@@ -134,30 +141,18 @@ impl PreparedMap {
         kept.collect()
     }
 
-    /// Prepares scans, whose selected beams end at `endpoints`.
-    pub(super) fn observe<'a>(
+    /// Scans, whose selected beams end at `endpoints`, for a sensor model.
+    pub(super) fn view<'a>(
         &'a self,
-        scans: &[MountedScan<'_>],
-        beams: &[Vec<usize>],
+        scans: &'a [MountedScan<'a>],
+        beams: &'a [Vec<usize>],
         endpoints: &'a Endpoints,
         settings: &MclSettings,
-    ) -> Result<Observation<'a>> {
+    ) -> ScanView<'a> {
         let used: usize = beams.iter().map(Vec::len).sum();
         let exponent = (settings.independent_beams / used.max(1) as f64).min(1.0);
-        Ok(match (&settings.sensor, &self.caster) {
-            (SensorSettings::Beam(model), Some(caster)) => {
-                let rate = |(mounted, beams): (&MountedScan<'_>, &Vec<usize>)| {
-                    BeamLikelihood::new(caster, model, mounted, beams, exponent)
-                };
-                Observation::Beams(scans.iter().zip(beams).map(rate).collect::<Result<_>>()?)
-            }
-            (SensorSettings::LikelihoodField(field), _)
-                if field.weighting == Weighting::SumOfCubes =>
-            {
-                Observation::SumOfCubes(Box::new(SumOfCubes::new(&self.field, endpoints)))
-            }
-            _ => Observation::Product(FieldLikelihood { field: &self.field, endpoints, exponent }),
-        })
+        let PreparedMap { field, caster, .. } = self;
+        ScanView { scans, beams, endpoints, field, caster: caster.as_ref(), exponent }
     }
 }
 

@@ -192,25 +192,6 @@ impl SensorSettings {
             SensorSettings::Beam(settings) => settings.check(),
         }
     }
-
-    /// The settings of the likelihood field; the default ones for the beam model, which needs one
-    /// only for searches.
-    pub fn field(&self) -> LikelihoodFieldSettings {
-        match self {
-            SensorSettings::LikelihoodField(settings) => settings.field,
-            SensorSettings::Beam(_) => FieldSettings::default().field,
-        }
-    }
-}
-
-impl MclSettings {
-    /// Whether the filter is to find out how much the ranges are short: the likelihoods of the
-    /// field are multiplied.
-    pub(super) fn estimates_range_offset(&self) -> bool {
-        let is_product = matches!(&self.sensor,
-            SensorSettings::LikelihoodField(field) if field.weighting == Weighting::Product);
-        is_product && self.range_offset == RangeOffset::Estimated
-    }
 }
 
 /// Parts of the filter that can be switched off in a settings file: `tempering = false`.

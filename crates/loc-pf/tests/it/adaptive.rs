@@ -165,5 +165,5 @@ fn settings_are_checked() {
         assert!(Kld::new(settings.clone()).is_err(), "{settings:?}");
     }
     let error = Kld::new(settings(11, 10)).unwrap_err().to_string();
-    assert_eq!(error, "max_particles: expected at least min_particles, got 10 elements");
+    assert_eq!(error, "KldSettings.max_particles: expected at least min_particles, got 10");
 }

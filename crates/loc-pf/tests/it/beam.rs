@@ -286,12 +286,15 @@ fn bad_input_is_refused_by_name() {
         BeamModel::new(&settings).unwrap_err().to_string()
     };
     for (message, what) in [
-        (wrong(|s| s.sigma_hit = 0.0), "sigma_hit [m]: "),
-        (wrong(|s| s.sigma_hit = f64::NAN), "sigma_hit [m]: "),
-        (wrong(|s| s.z_hit = -0.1), "z_hit: "),
-        (wrong(|s| s.lambda_short = 0.0), "lambda_short [1/m]: "),
-        (wrong(|s| s.max_range = f64::INFINITY), "max_range [m]: "),
-        (wrong(|s| (s.z_hit, s.z_short, s.z_max, s.z_rand) = (0.0, 0.0, 0.0, 0.0)), "z_hit + "),
+        (wrong(|s| s.sigma_hit = 0.0), "BeamModelSettings.sigma_hit: "),
+        (wrong(|s| s.sigma_hit = f64::NAN), "BeamModelSettings.sigma_hit: "),
+        (wrong(|s| s.z_hit = -0.1), "BeamModelSettings.z_hit: "),
+        (wrong(|s| s.lambda_short = 0.0), "BeamModelSettings.lambda_short: "),
+        (wrong(|s| s.max_range = f64::INFINITY), "BeamModelSettings.max_range: "),
+        (
+            wrong(|s| (s.z_hit, s.z_short, s.z_max, s.z_rand) = (0.0, 0.0, 0.0, 0.0)),
+            "BeamModelSettings.z_rand: expected shares",
+        ),
     ] {
         assert!(message.starts_with(what), "{message}");
     }

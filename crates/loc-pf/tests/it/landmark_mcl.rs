@@ -331,10 +331,13 @@ fn bad_input_is_refused_and_changes_nothing() {
         "landmarks of the map: expected at least 1, got 0 elements"
     );
     let nobody = settings().particles(0);
-    assert_eq!(refusal(nobody, map()), "particles: expected at least 1, got 0 elements");
+    assert_eq!(
+        refusal(nobody, map()),
+        "LandmarkMclSettings.particles: expected a number >= 1, got 0"
+    );
     let recovery = RecoverySettings::default().factor(0.5);
     let half = settings().recovery(recovery);
-    assert_eq!(refusal(half, map()), "recovery factor: expected a finite number >= 1, got 0.5");
+    assert_eq!(refusal(half, map()), "RecoverySettings.factor: expected a number >= 1.0, got 0.5");
 }
 
 /// A million velocities and observations neither wear out the weights nor fill the memory.

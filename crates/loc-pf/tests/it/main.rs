@@ -22,6 +22,7 @@ mod moments;
 mod motion;
 mod normals;
 mod novelty;
+mod own_models;
 mod perceptual;
 mod policy;
 mod range_offset;

@@ -122,7 +122,7 @@ impl MethodSettings {
     /// # Errors
     /// [`loc_core::Error::OutOfRange`] with the name of the first that is not allowed.
     pub fn check(&self) -> Result<()> {
-        self.robot.gate()?;
+        self.robot.check()?;
         self.line_matching.check()?;
         self.mcl.check()?;
         self.landmark_mcl.check()?;

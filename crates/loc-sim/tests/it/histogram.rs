@@ -82,7 +82,7 @@ fn it_needs_a_map_and_a_start_in_it() {
     let error = Scenario::named("grid-localization", &[bad])
         .and_then(|scenario| scenario.run(None, None, &mut |_| {}).map(|_| ()))
         .unwrap_err();
-    assert!(error.to_string().contains("cell [m]"), "{error}");
+    assert!(error.to_string().contains("GridSettings.cell"), "{error}");
 }
 
 /// The odd scans of the Intel recording with the reference pose of each, and the map of the even

@@ -143,8 +143,8 @@ fn wrong_settings_name_their_key() {
         ("outdoor.satellites.every=0.03", "outdoor.satellites.every"),
         ("outdoor.radio.scale=0.0", "outdoor.radio.scale"),
         ("outdoor.compass.sigma='-1 deg'", "outdoor.compass.sigma"),
-        ("outdoor.wheels.silent=[[3.0, 2.0]]", "silent_s"),
-        ("outdoor.satellites.white_sigma=0.0", "white sigma"),
+        ("outdoor.wheels.silent=[[3.0, 2.0]]", "silent"),
+        ("outdoor.satellites.white_sigma=0.0", "outdoor.satellites.white_sigma"),
         ("outdoor.course=[]", "outdoor.course"),
     ];
     for (change, key) in wrong {

@@ -125,9 +125,15 @@ fn legs_and_worlds_are_checked() {
         ("drive.wheels={track=0.4}", "drive.mecanum: expected one of them, got `several`"),
         ("drive.world.name=moon", "world: expected one of office, corridor"),
         ("drive.landmarks=[{id=1,x=0.0,y=0.0}]", "none beside those of the world"),
-        ("drive.course=[{duration=1.0,left=0.1,right=0.1}]", "drive.course: expected v_m_s"),
-        ("filter.landmark_mcl.outlier_share=1.0", "share of outliers: expected a number in [0, 1)"),
-        ("filter.landmark_mcl.particles=0", "particles: expected at least 1"),
+        ("drive.course=[{duration=1.0,left=0.1,right=0.1}]", "drive.course: expected v"),
+        (
+            "filter.landmark_mcl.outlier_share=1.0",
+            "LandmarkMclSettings.outlier_share: expected a number in [0, 1)",
+        ),
+        (
+            "filter.landmark_mcl.particles=0",
+            "LandmarkMclSettings.particles: expected a number >= 1",
+        ),
     ] {
         let error = Scenario::named("aibo-soccer", &[change.into()]).unwrap_err();
         assert!(matches!(error, Error::Config { .. }), "{error:?}");
@@ -135,5 +141,5 @@ fn legs_and_worlds_are_checked() {
     }
     let sideways = "drive.course.0.sideways=0.1".to_owned();
     let error = Scenario::named("landmark-drive", &[sideways]).unwrap_err().to_string();
-    assert!(error.contains("drive.course: expected v_m_s"), "{error}");
+    assert!(error.contains("drive.course: expected v"), "{error}");
 }

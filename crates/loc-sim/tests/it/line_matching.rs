@@ -98,9 +98,9 @@ fn without_walls_the_error_names_the_need() {
     let error = runner::run(&mut source.unwrap(), &[Method::LineEkf], &settings, &mut |_| {});
     assert!(matches!(&error, Err(Error::Unsuitable { expected: "a map", .. })), "{error:?}");
     for (change, message) in [
-        ("filter.line_matching.map_sigma=-1.0", "sigma of the ends of map lines [m]"),
+        ("filter.line_matching.map_sigma=-1.0", "LineMatchingSettings.map_sigma"),
         ("filter.line_matching.pairing=\"by-luck\"", "unknown variant `by-luck`"),
-        ("filter.line_matching.extractor.roughness=nan", "roughness of walls [m]"),
+        ("filter.line_matching.extractor.roughness=nan", "LineExtractor.roughness"),
     ] {
         let error = Scenario::named("line-matching", &[change.into()]).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");

@@ -293,7 +293,7 @@ fn settings(changes: &[&str]) -> Result<MclSettings, String> {
 
 #[test]
 fn parts_of_the_filter_are_switched_off_and_on_by_name() {
-    let own = MclSettings::default();
+    let own = settings(&[]).unwrap();
     assert!(own.tempering.is_some() && own.recovery.suspicion.is_some());
     for off in ["false", "off", "\"off\""] {
         let set = |key: &str| settings(&[&format!("filter.mcl.{key}={off}")]).unwrap();
@@ -316,7 +316,7 @@ fn what_is_neither_settings_nor_a_switch_is_refused() {
     for (change, message) in [
         ("tempering=0", "integer `0`, expected a table of settings, false (off) or true"),
         ("tempering=maybe", "string \"maybe\", expected a table of settings"),
-        ("tempering.stages=3", "unknown field `stages`, expected one of `effective_share`"),
+        ("tempering.stages=3", "unknown field `stages`, expected `effective_share`"),
         ("novelty.people=1", "unknown variant `people`"),
         ("recovery.suspicion=[1]", "invalid type: sequence, expected a table of settings"),
     ] {

@@ -172,11 +172,7 @@ fn bad_configurations_name_file_line_and_key() {
             "duration = 14.03",
             "my.toml: drive.course.duration: expected a multiple of the time step 0.1 s, got `14.03`",
         ),
-        (
-            "time_step_s",
-            "timestep_s",
-            "my.toml: line 10: `timestep_s = 0.1`: unknown field `timestep_s`",
-        ),
+        ("time_step", "timestep", "my.toml: line 10: `timestep = 0.1`: unknown field `timestep`"),
         (
             "seed = 1",
             "seed = \"one\"",
@@ -189,9 +185,9 @@ fn bad_configurations_name_file_line_and_key() {
         ),
         ("\"midpoint\"", "\"simpson\"", "unknown variant `simpson`"),
         (
-            "turn_sigma = '5 deg'",
-            "turn_sigma_deg = nan",
-            "my.toml: sigma of a full turn [rad]: expected a finite number >= 0, got NaN",
+            "turn_sigma = \"5 deg\"",
+            "turn_sigma = nan",
+            "my.toml: turn_sigma of the odometry [rad per turn]: expected a finite number >= 0, got NaN",
         ),
         (
             "name = \"circle-drive\"",

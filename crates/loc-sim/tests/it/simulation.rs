@@ -27,8 +27,7 @@ track = 0.4
 [tour.laser]
 preset = "sick-lms100-50hz"
 sigma = 0.0
-forward_m = 0.2
-yaw_deg = 10.0
+mounting = { x = 0.2, theta = "10 deg" }
 every = 0.5
 "#;
 
@@ -324,8 +323,8 @@ fn end(name: &str, changes: &[&str]) -> Result<loc_core::Pose2, String> {
 fn a_car_drives_the_circle_of_its_steering_angle() {
     let duration = std::f64::consts::PI * 2.0;
     let course = format!(
-        "drive.course=[{{duration = {duration}, v = 1.0, steering_deg = {} }}]",
-        (0.87_f64 / 2.0).atan().to_degrees()
+        "drive.course=[{{duration = {duration}, v = 1.0, steering = {} }}]",
+        (0.87_f64 / 2.0).atan()
     );
     let step = format!("drive.time_step={}", duration / 60.0);
     let pose = end("ackermann-drive", &[&course, &step]).unwrap();
@@ -367,10 +366,10 @@ fn what_a_body_cannot_do_is_refused() {
     assert!(error.contains("turn on the spot"), "{error}");
     let aside = "drive.course=[{duration = 1.0, sideways = 0.1 }]";
     let error = end("ackermann-drive", &[aside]).unwrap_err();
-    assert!(error.contains("v_m_s with steering_deg"), "{error}");
+    assert!(error.contains("v with steering"), "{error}");
     let wheels = "drive.course=[{duration = 1.0, v = 1.0, wheels = [0.0, 0.0, 0.0, 0.0] }]";
     let error = end("mecanum-drive", &[wheels]).unwrap_err();
-    assert!(error.contains("four wheels_m_s"), "{error}");
+    assert!(error.contains("four wheels"), "{error}");
     let both = "drive.wheels={track = 0.3}";
     let error = end("mecanum-drive", &[both]).unwrap_err();
     assert!(error.contains("expected one of them, got `several`"), "{error}");

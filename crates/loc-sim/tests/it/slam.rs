@@ -115,8 +115,8 @@ fn linear_slam_refuses_a_robot_that_turns() {
 #[test]
 fn linear_slam_works_in_any_direction() {
     let run = |heading: f64| {
-        let change = format!("drive.start.theta={heading}");
-        let scenario = scenario("slam-linear", &[&change, "drive.camera.yaw_deg=20.0"]);
+        let change = format!("drive.start.theta={heading} deg");
+        let scenario = scenario("slam-linear", &[&change, "drive.camera.mounting.theta=20 deg"]);
         scenario.run(Some(2), Some(&[Method::KfSlam]), &mut |_| {}).unwrap()
     };
     let run = run(37.0);

@@ -61,17 +61,17 @@ fn settings_are_checked_one_by_one() {
     let map = office();
     let good = GridSettings::default();
     let bad = [
-        (good.cell(0.0), "cell [m]"),
-        (good.heading(f64::NAN), "heading [rad]"),
-        (good.heading(1e-9), "heading [rad]"),
-        (good.beams(0), "beams"),
-        (good.independent_beams(0.0), "independent_beams"),
-        (good.kidnap_rate(1.5), "kidnap_rate"),
-        (good.negligible(0.5), "negligible"),
-        (good.update_turn(-1.0), "update_turn [rad]"),
-        (good.robot(good.robot.laser_min_range(-1.0)), "min_range [m]"),
-        (good.fine(good.fine.reach(0.0)), "fine.reach [m]"),
-        (good.fine(good.fine.turn(9.0)), "fine.turn [rad]"),
+        (good.cell(0.0), "GridSettings.cell"),
+        (good.heading(f64::NAN), "GridSettings.heading"),
+        (good.heading(1e-9), "GridSettings.heading"),
+        (good.beams(0), "GridSettings.beams"),
+        (good.independent_beams(0.0), "GridSettings.independent_beams"),
+        (good.kidnap_rate(1.5), "GridSettings.kidnap_rate"),
+        (good.negligible(0.5), "GridSettings.negligible"),
+        (good.update_turn(-1.0), "GridSettings.update_turn"),
+        (good.robot(good.robot.laser_min_range(-1.0)), "RobotSettings.laser_min_range"),
+        (good.fine(good.fine.reach(0.0)), "FineSettings.reach"),
+        (good.fine(good.fine.turn(9.0)), "FineSettings.turn"),
     ];
     for (settings, name) in bad {
         let error = GridLocalizer::new(&map, settings).unwrap_err().to_string();

@@ -40,18 +40,15 @@ fn maps_beliefs_and_settings_are_checked() {
         error
     };
     for (error, message) in [
-        (change(|s| s.map_sigma = -0.1), "sigma of the ends of map lines [m]"),
-        (change(|s| s.min_map_length = 0.0), "least length of map lines [m]"),
-        (change(|s| s.robot.gate_probability = 0.0), "gate probability"),
-        (change(|s| s.min_overlap = 1.5), "least overlap of lines"),
-        (change(|s| s.slack = f64::NAN), "slack of the ends of walls [m]"),
-        (change(|s| s.robot.path.along = f64::INFINITY), "noise along the path [m]"),
-        (change(|s| s.extractor.min_points = 2), "fewest points of a wall"),
-        (change(|s| s.lost = s.lost.min_share(2.0)), "least share of matched"),
-        (
-            change(|s| s.systematic = s.systematic.drift(-1.0)),
-            "systematic drift of the heading [rad/m]",
-        ),
+        (change(|s| s.map_sigma = -0.1), "LineMatchingSettings.map_sigma"),
+        (change(|s| s.min_map_length = 0.0), "LineMatchingSettings.min_map_length"),
+        (change(|s| s.robot.gate_probability = 0.0), "RobotSettings.gate_probability"),
+        (change(|s| s.min_overlap = 1.5), "LineMatchingSettings.min_overlap"),
+        (change(|s| s.slack = f64::NAN), "LineMatchingSettings.slack"),
+        (change(|s| s.robot.path.along = f64::INFINITY), "PathNoise.along"),
+        (change(|s| s.extractor.min_points = 2), "LineExtractor.min_points"),
+        (change(|s| s.lost = s.lost.min_share(2.0)), "LostSettings.min_share"),
+        (change(|s| s.systematic = s.systematic.drift(-1.0)), "SystematicErrors.drift"),
     ] {
         assert!(error.contains(message), "{error}");
     }

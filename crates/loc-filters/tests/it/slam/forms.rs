@@ -105,8 +105,8 @@ fn forms_that_do_not_fit_are_refused() {
     assert!(message.contains("got `invariant`"), "{message}");
     for share in [1.0, -0.1, f64::NAN] {
         let message = refused(base.common_share(share));
-        assert!(message.contains("common share"), "{message}");
+        assert!(message.contains("SlamSettings.common_share"), "{message}");
     }
     let message = refused(base.common_time(0.0));
-    assert!(message.contains("common error"), "{message}");
+    assert!(message.contains("SlamSettings.common_time"), "{message}");
 }

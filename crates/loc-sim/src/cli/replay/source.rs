@@ -76,6 +76,20 @@ fn laser_source(
     Ok((Box::new(source), known))
 }
 
+/// Refuses a calibration of odometry or camera, which only recordings of MRCLAM have.
+fn refuse_calibration(config: &RecordingConfig) -> Result<()> {
+    let own = RecordingConfig::default();
+    for (key, is_given) in
+        [("odometry", config.odometry != own.odometry), ("camera", config.camera != own.camera)]
+    {
+        if is_given {
+            let found = "one for another format";
+            return Err(config::field(key, "a calibration for MRCLAM alone", found));
+        }
+    }
+    Ok(())
+}
+
 /// The content of a configuration.
 struct Configuration {
     settings: MethodSettings,
@@ -94,6 +108,7 @@ fn configuration(args: &ReplayArgs) -> Result<Configuration> {
         Some(file) => RecordingConfig::read(file, changes)?,
         None => RecordingConfig::parse("settings for lasers", recording::LASER, changes)?,
     };
+    refuse_calibration(&config)?;
     let start_sigmas = config.start_sigma.sigmas()?;
     let settings = MethodSettings { seed: SEED, ..config.settings(RobotSettings::default())? };
     let options = ReplayOptions { start_sigmas, ..ReplayOptions::default() };
@@ -107,7 +122,8 @@ fn parameters(file: &Path, changes: &[String]) -> Result<Configuration> {
         eprintln!("warning: {warning}");
     }
     let name = file.display().to_string();
-    let config = RecordingConfig::parse(&name, "", changes)?;
+    let config = RecordingConfig::parse(&name, recording::LASER, changes)?;
+    refuse_calibration(&config)?;
     let sigmas = config.start_sigma.sigmas()?;
     let [x, y, yaw] = given.start_sigmas;
     let options = ReplayOptions {
@@ -164,6 +180,7 @@ pub(super) fn landmarks(args: &ReplayArgs, log: &Path, format: Format) -> anyhow
             config => config,
         },
     };
+    refuse_calibration(&config)?;
     let identities = config.settings(RobotSettings::default())?.slam.identities;
     let source = open_landmarks(log, format, identities, config.start_sigma.sigmas()?)?;
     let robot = RobotSettings::default().mounting(source.mounting());
@@ -221,6 +238,7 @@ pub(super) fn ranging(args: &ReplayArgs, log: &Path, format: Format) -> anyhow::
         Some(file) => RecordingConfig::read(file, changes)?,
         None => RecordingConfig::parse("settings for ranging", recording::RANGING, changes)?,
     };
+    refuse_calibration(&config)?;
     let pose =
         args.initial_pose.as_deref().map(|text| parse_pose("--initial-pose", text)).transpose()?;
     let start = RangingStart { pose, sigmas: config.start_sigma.sigmas()? };

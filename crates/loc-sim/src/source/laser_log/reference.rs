@@ -24,8 +24,8 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Reads a TUM file, or a CSV file whose first line names its columns: `time_s`, `x` and
-    /// `y` (or `_cm`), `theta_rad` (or `_deg`). A column `spread_m` (or `_cm`) may give the
+    /// Reads a TUM file, or a CSV file whose first line names its columns: `time_s`, `x_m` and
+    /// `y_m` (or `_cm`), `theta_rad` (or `_deg`). A column `spread_m` (or `_cm`) may give the
     /// uncertainty of each pose: the file then comes from a filter that had to converge first, and
     /// all up to the last pose with more than 0.3 m is left out. Other columns are ignored.
     ///
@@ -54,8 +54,8 @@ impl Reference {
             named.ok_or_else(|| table.error(1, quantity, &names(units), &format!("`{header}`")))
         };
         let time = column("time", &[("time_s", 1.0)])?;
-        let x = column("x", &[("x", 1.0), ("x_cm", 0.01)])?;
-        let y = column("y", &[("y", 1.0), ("y_cm", 0.01)])?;
+        let x = column("x", &[("x_m", 1.0), ("x_cm", 0.01)])?;
+        let y = column("y", &[("y_m", 1.0), ("y_cm", 0.01)])?;
         let degree = 1_f64.to_radians();
         let theta = column("theta", &[("theta_rad", 1.0), ("theta_deg", degree)])?;
         let spread = column("spread", &[("spread_m", 1.0), ("spread_cm", 0.01)]).ok();

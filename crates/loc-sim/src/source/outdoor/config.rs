@@ -168,6 +168,9 @@ impl OutdoorConfig {
             finite("silent: from", from)?;
             non_negative("silent: to less from", to - from)?;
         }
+        if let Some(receiver) = &self.satellites {
+            positive("outdoor.satellites.white_sigma", receiver.white_sigma)?;
+        }
         let latency = self.satellites.as_ref().map_or(0.0, |receiver| receiver.latency);
         non_negative("outdoor.satellites.latency", latency)?;
         if let Some(radio) = &self.radio {

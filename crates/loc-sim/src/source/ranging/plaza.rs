@@ -73,12 +73,12 @@ impl RangeRecording {
 }
 
 fn read_beacons(file: &Path) -> Result<LandmarkMap> {
-    let table = Table::read(file, &["beacon_id", "x", "y"])?;
+    let table = Table::read(file, &["beacon_id", "x_m", "y_m"])?;
     let mut beacons = Vec::new();
     for row in table.rows() {
         let row = row?;
         let id = whole(&row, "beacon_id")?;
-        beacons.push(Landmark::planar(id, row.number("x")?, row.number("y")?));
+        beacons.push(Landmark::planar(id, row.number("x_m")?, row.number("y_m")?));
     }
     not_empty(beacons.is_empty(), file, "beacons")?;
     Ok(LandmarkMap::new(beacons)?)
@@ -123,12 +123,12 @@ fn read_odometry(file: &Path, begin: f64) -> Result<Vec<Event>> {
 }
 
 fn read_truth(file: &Path) -> Result<Vec<(f64, Pose2)>> {
-    let table = Table::read(file, &["time_s", "x", "y", "theta_rad"])?;
+    let table = Table::read(file, &["time_s", "x_m", "y_m", "theta_rad"])?;
     let (mut poses, mut last) = (Vec::new(), f64::NEG_INFINITY);
     for row in table.rows() {
         let row = row?;
         let stamp = stamp_after(&row, "time_s", &mut last)?;
-        let pose = Pose2::new(row.number("x")?, row.number("y")?, row.number("theta_rad")?);
+        let pose = Pose2::new(row.number("x_m")?, row.number("y_m")?, row.number("theta_rad")?);
         poses.push((stamp, pose));
     }
     not_empty(poses.is_empty(), file, "true poses")?;

@@ -118,7 +118,7 @@ fn parameters_of_nav2_are_taken() {
     let set = ["--set", "filter.mcl.novelty.distance={}", "--set", "filter.mcl.tempering=false"];
     assert_eq!(summary(&folder, &[&arguments[..], &set].concat())["seed"], 9);
     let error = failure(&folder, &[&arguments[..], &["--set", "odometry.delay=1"]].concat());
-    assert!(error.contains("expected keys below filter.mcl or start"), "{error}");
+    assert!(error.contains("odometry: expected a calibration for MRCLAM alone"), "{error}");
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn what_does_not_fit_is_refused_in_one_line() {
         ),
         (
             vec!["hall.log", "--map", "hall.yaml", "--set", "filter.mcl.particles.max_particles=0"],
-            "settings for lasers: max_particles",
+            "settings for lasers: KldSettings.max_particles",
         ),
     ] {
         let error = failure(&folder, &arguments);

@@ -121,7 +121,7 @@ fn bad_input_is_one_line_that_names_it() {
         ),
         (
             ["landmark-drive", "--vary", "filter.partikel=1"],
-            "error: --vary filter.partikel=1: unknown field `partikel`, expected one of `integration`, `odometry`",
+            "error: --vary filter.partikel=1: unknown field `partikel`, expected one of `robot`, `line_matching`",
         ),
         (["lanmark-drive", "--runs", "1"], "error: scenario: expected one of overview,"),
         (["missing.toml", "--runs", "1"], "error: missing.toml: No such file or directory"),

@@ -123,12 +123,12 @@ fn unknown_settings_are_named_with_what_exists() {
         (
             "position-tracking",
             "laser.sigm=0.1",
-            "--vary laser.sigm=0.1: unknown field `sigm`, expected one of `preset`, `every_s`",
+            "--vary laser.sigm=0.1: unknown field `sigm`, expected one of `preset`, `every`",
         ),
         (
             "landmark-drive",
             "filter.partcles=5",
-            "--vary filter.partcles=5: unknown field `partcles`, expected one of `integration`",
+            "--vary filter.partcles=5: unknown field `partcles`, expected one of `robot`",
         ),
         (
             "landmark-drive",
