@@ -221,7 +221,9 @@ mod text {
     fn degrees(angle: f64) -> Option<String> {
         let degrees = angle.to_degrees();
         let texts = (0..=4).map(|digits| format!("{degrees:.digits$}"));
-        texts.into_iter().find(|text| text.parse().is_ok_and(|d: f64| d.to_radians() == angle))
+        texts.into_iter().find(|text| {
+            text.parse().is_ok_and(|d: f64| d.to_radians().to_bits() == angle.to_bits())
+        })
     }
 
     struct Number {

@@ -8,6 +8,7 @@ mod motion;
 mod pose;
 mod probability;
 mod sampling;
+mod settings;
 mod stats;
 mod table;
 mod trajectory;

@@ -8,7 +8,6 @@ use loc_filters::RobotSettings;
 use loc_filters::delayed::Delayed;
 use loc_maps::{Landmark, LandmarkMap};
 use loc_pf::landmark_mcl::RecoverySettings;
-use loc_pf::sensor::landmark::ObservationModel;
 use loc_pf::{LandmarkMcl, LandmarkMclSettings};
 use loc_sensors::landmark_camera::{LandmarkCamera, LandmarkNoise, LandmarkObservation, Observed};
 use nalgebra::Matrix3;

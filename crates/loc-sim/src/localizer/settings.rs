@@ -103,13 +103,13 @@ impl MethodSettings {
                 let Value::Table(section) = section else { continue };
                 let mut merged = Value::Table(robot.clone());
                 if let Some(own) = section.remove("robot") {
-                    merge(&mut merged, own);
+                    put_over(&mut merged, own, false);
                 }
                 section.insert("robot".into(), merged);
             }
         }
         let mut all = Value::try_from(self).map_err(|e| wrong(&e))?;
-        merge(&mut all, Value::Table(given));
+        put_over(&mut all, Value::Table(given), true);
         let read: MethodSettings =
             all.try_into().map_err(|e: toml::de::Error| wrong(&e.message()))?;
         read.check()?;
@@ -162,19 +162,19 @@ impl MethodSettings {
 
 /// Puts the values of one table over those of another, key by key.
 ///
-/// A choice of one among several (`{ cauchy = 2.385 }`) is a table with a single key; another choice
-/// takes its place.
-fn merge(to: &mut Value, from: Value) {
+/// Where the other is whole (`has_choices`), a table with a single key is a choice of one among
+/// several (`{ cauchy = 2.385 }`), and another choice takes its place.
+fn put_over(to: &mut Value, from: Value, has_choices: bool) {
     match (to, from) {
         (Value::Table(to), Value::Table(from)) => {
-            let is_choice = to.len() == 1 && from.len() == 1;
+            let is_choice = has_choices && to.len() == 1 && from.len() == 1;
             if is_choice && from.keys().any(|key| !to.contains_key(key)) {
                 *to = from;
                 return;
             }
             for (key, value) in from {
                 match to.get_mut(&key) {
-                    Some(inner) => merge(inner, value),
+                    Some(inner) => put_over(inner, value, has_choices),
                     None => {
                         to.insert(key, value);
                     }

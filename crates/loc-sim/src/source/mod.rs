@@ -236,7 +236,7 @@ impl OdometryIntegrator {
 
 /// How well a start pose is known, as standard deviations; the filters start at a pose drawn from it.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 pub struct StartSigma {
     /// Of x and of y \[m\].
     pub position: f64,

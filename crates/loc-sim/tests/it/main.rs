@@ -34,6 +34,7 @@ mod ros;
 mod scenarios;
 mod seeds;
 mod sense;
+mod settings;
 mod simulation;
 mod slam;
 mod smoothing;

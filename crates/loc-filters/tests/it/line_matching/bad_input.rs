@@ -6,7 +6,7 @@ use loc_core::gaussian::pose_belief;
 use loc_core::random::stream;
 use loc_filters::Error;
 use loc_filters::line_matching::{
-    FieldOfView, LineEkf, LineMatchingSettings, LostSettings, SystematicErrors, Tracking,
+    FieldOfView, LineEkf, LineMatchingSettings, Tracking,
 };
 use loc_maps::LineMap;
 use loc_sensors::laser::LaserScan;

@@ -9,7 +9,7 @@ use loc_core::Pose2;
 use loc_filters::line_matching::{FieldOfView, LineMatchingSettings};
 use loc_maps::line::NormalForm;
 use loc_maps::{LineMap, LineSegment};
-use loc_sensors::features::{Line, LineExtractor};
+use loc_sensors::features::Line;
 use loc_sensors::laser::{LaserScanner, LaserSpec};
 use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::TAU;

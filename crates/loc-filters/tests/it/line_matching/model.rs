@@ -6,7 +6,7 @@ use loc_core::gaussian::pose_belief;
 use loc_core::random::stream;
 use loc_core::{Gaussian, Pose2, angle};
 use loc_filters::MeasurementModel;
-use loc_filters::line_matching::{LineEkf, LineMatchingSettings, LineModel};
+use loc_filters::line_matching::{LineEkf, LineModel};
 use loc_maps::line::NormalForm;
 use loc_maps::{LineMap, LineSegment};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};

@@ -5,7 +5,7 @@ use loc_core::Pose2;
 use loc_core::gaussian::pose_belief;
 use loc_core::random::stream;
 use loc_filters::association::Rule;
-use loc_filters::line_matching::{LineEkf, LineMatchingSettings, LinePairing, LineUpdate};
+use loc_filters::line_matching::{LineEkf, LinePairing, LineUpdate};
 use loc_sensors::features::Line;
 
 const PAIRINGS: [LinePairing; 4] = [
