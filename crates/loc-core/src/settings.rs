@@ -27,7 +27,7 @@
 ///
 /// Each field is `pub name: Type = default => rule;`. The struct gets [`Default`], a builder
 /// function for every field, and `check`, which applies the rules in order. It is
-/// `#[non_exhaustive]`: a new setting breaks nobody. With the crate's feature `serde` it can be read
+/// `#[non_exhaustive]`: a new setting is no breaking change. With the crate's feature `serde` it can be read
 /// and written; unknown keys are errors and missing ones have their defaults.
 ///
 /// | rule | allowed |

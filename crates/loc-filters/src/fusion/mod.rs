@@ -48,7 +48,7 @@ use loc_sensors::imu::ImuSpec;
 use nalgebra::Point2;
 
 loc_core::settings! {
-    /// All that the fused filter can be told. Of a sensor that the robot does not have, the settings
+    /// Settings of the fused filter. Of a sensor that the robot does not have, the settings
     /// do not matter.
     ///
     /// A small robot on wheels. Ranges have the bias of radio ranging out of the box: a scale known

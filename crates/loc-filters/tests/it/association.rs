@@ -204,7 +204,7 @@ fn nothing_much_and_nonsense() {
     assert!(Associator::new(gate).is_err());
 }
 
-/// Points of the plane among which there may be others that nobody knows.
+/// Points of the plane among which there may be others that are unknown.
 struct AmongOthers(Points);
 
 impl Pairing<2> for AmongOthers {

@@ -306,7 +306,7 @@ fn drive<F: NonlinearFilter<3>>(seed: u64) -> Drive {
     for k in 0..200 {
         let stamp = dt * f64::from(k);
         let twist = Twist2::forward(0.5, 0.3);
-        // The filter is told the command; the robot does it with the noise that the filter expects.
+        // The filter is given the command; the robot executes it with the noise that the filter expects.
         let noise = Gaussian {
             mean: twist.to_vector(),
             covariance: settings.odometry.covariance(twist, dt),

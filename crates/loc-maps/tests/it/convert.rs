@@ -189,7 +189,7 @@ fn the_outline_of_a_grid_is_where_its_rays_end() {
             grid.set(cell, 0).unwrap();
         }
     }
-    // What nobody has seen is no wall.
+    // What was not seen is no wall.
     (0..40).for_each(|row| grid.set(Cell::new(59, row), -1).unwrap());
     let outline = LineMap::outline(&grid).unwrap();
     // Four walls, four sides of the table, of which the lower runs on along the step, and the other

@@ -239,7 +239,7 @@ fn sums_and_hits_are_those_of_single_beams() {
     assert!(hits.iter().sum::<u32>() > 100);
 }
 
-/// Cells of a side that single precision could not tell apart are told apart.
+/// Cells of a side that single precision could not distinguish are distinct.
 #[test]
 fn a_long_map_is_read_exactly() {
     let frame = GridFrame::new(300_000, 3, 0.05, Pose2::new(0.0, 1.0, 0.3)).unwrap();

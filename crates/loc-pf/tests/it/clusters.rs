@@ -16,7 +16,7 @@ fn clusters(poses: impl IntoIterator<Item = Pose2>) -> Vec<Cluster> {
     clusterer.clusters(&Particles::from_poses(poses))
 }
 
-fn heap(at: Pose2, sigmas: [f64; 3], count: usize, seed: u64) -> Vec<Pose2> {
+fn cluster(at: Pose2, sigmas: [f64; 3], count: usize, seed: u64) -> Vec<Pose2> {
     let mut rng = stream(seed, "heap");
     let belief = pose_belief(at, sigmas);
     let mut draw = || Pose2::from_vector(&belief.sample(&mut rng));
@@ -96,14 +96,14 @@ fn without_valleys_clusters_are_the_connected_components() {
             weights.for_each(|weight| *weight += 4.0 * rng.random::<f64>());
             assert_same_as_components(cloud, &mut clusterer, headings);
         }
-        let tracked = heap(Pose2::new(-2.0, 1.0, PI), [0.15, 0.15, 0.05], 500, 1);
+        let tracked = cluster(Pose2::new(-2.0, 1.0, PI), [0.15, 0.15, 0.05], 500, 1);
         assert_same_as_components(Particles::from_poses(tracked), &mut clusterer, headings);
     }
 }
 
 #[test]
 fn clusters_hold_together_across_pi() {
-    let found = clusters(heap(Pose2::new(2.0, -3.0, PI), [0.1, 0.1, 0.2], 1000, 1));
+    let found = clusters(cluster(Pose2::new(2.0, -3.0, PI), [0.1, 0.1, 0.2], 1000, 1));
     assert_eq!(found.len(), 1);
     assert!(found[0].belief.mean.z.abs() > PI - 0.03);
     assert_abs_diff_eq!(found[0].belief.covariance.m33.sqrt(), 0.2, epsilon = 0.02);
@@ -112,8 +112,8 @@ fn clusters_hold_together_across_pi() {
 #[test]
 fn the_order_of_the_particles_does_not_matter() {
     let mut poses = anywhere(30.0, 3000, 2);
-    poses.extend(heap(Pose2::new(1.0, 1.0, 0.0), [0.4, 0.4, 0.3], 1500, 3));
-    poses.extend(heap(Pose2::new(4.0, 1.0, 0.0), [0.4, 0.4, 0.3], 1500, 4));
+    poses.extend(cluster(Pose2::new(1.0, 1.0, 0.0), [0.4, 0.4, 0.3], 1500, 3));
+    poses.extend(cluster(Pose2::new(4.0, 1.0, 0.0), [0.4, 0.4, 0.3], 1500, 4));
     let first = clusters(poses.iter().copied());
     for seed in 0..5 {
         poses.shuffle(&mut stream(seed, "order"));
@@ -142,8 +142,8 @@ fn of_equal_clusters_the_lower_one_comes_first() {
 #[test]
 fn a_few_strays_between_two_modes_do_not_join_them() {
     for seed in 0..20 {
-        let mut poses = heap(Pose2::new(0.0, 0.0, 0.0), [0.15, 0.15, 0.05], 600, seed);
-        poses.extend(heap(Pose2::new(3.0, 0.0, 0.0), [0.15, 0.15, 0.05], 400, seed + 100));
+        let mut poses = cluster(Pose2::new(0.0, 0.0, 0.0), [0.15, 0.15, 0.05], 600, seed);
+        poses.extend(cluster(Pose2::new(3.0, 0.0, 0.0), [0.15, 0.15, 0.05], 400, seed + 100));
         poses.extend((1..12).map(|k| Pose2::new(0.25 * f64::from(k), 0.0, 0.02)));
         let found = clusters(poses.iter().copied());
         assert_eq!(found.len(), 2, "seed {seed}");
@@ -158,8 +158,8 @@ fn a_few_strays_between_two_modes_do_not_join_them() {
 
 #[test]
 fn opposite_headings_at_one_place_are_two_hypotheses() {
-    let mut poses = heap(Pose2::new(1.0, 1.0, 0.4), [0.1, 0.1, 0.1], 500, 1);
-    poses.extend(heap(Pose2::new(1.0, 1.0, 0.4 - PI), [0.1, 0.1, 0.1], 500, 2));
+    let mut poses = cluster(Pose2::new(1.0, 1.0, 0.4), [0.1, 0.1, 0.1], 500, 1);
+    poses.extend(cluster(Pose2::new(1.0, 1.0, 0.4 - PI), [0.1, 0.1, 0.1], 500, 2));
     let found = clusters(poses);
     assert_eq!(found.len(), 2);
     assert!((found[0].share - 0.5).abs() < 1e-9);
@@ -177,7 +177,7 @@ fn one_mode_stays_one_however_wide_and_sparse() {
         ([2.0, 2.0, 0.3], 10_000),
     ] {
         for seed in 0..10 {
-            let found = clusters(heap(Pose2::new(3.0, 2.0, 3.0), sigmas, count, seed));
+            let found = clusters(cluster(Pose2::new(3.0, 2.0, 3.0), sigmas, count, seed));
             assert!(found[0].share > 0.97, "{sigmas:?} {count} {seed}: {}", found[0].share);
         }
     }
@@ -188,11 +188,10 @@ fn one_mode_stays_one_however_wide_and_sparse() {
 #[test]
 fn copies_of_few_particles_stay_together() {
     for seed in 0..10 {
-        let parents = heap(Pose2::new(0.0, 0.0, 1.0), [0.3, 0.3, 0.1], 40, seed);
-        let copies = parents
-            .iter()
-            .enumerate()
-            .flat_map(|(k, &parent)| heap(parent, [0.05, 0.05, 0.03], 100, seed * 100 + k as u64));
+        let parents = cluster(Pose2::new(0.0, 0.0, 1.0), [0.3, 0.3, 0.1], 40, seed);
+        let copies = parents.iter().enumerate().flat_map(|(k, &parent)| {
+            cluster(parent, [0.05, 0.05, 0.03], 100, seed * 100 + k as u64)
+        });
         let found = clusters(copies);
         assert!(found[0].share > 0.97, "seed {seed}: {}", found[0].share);
     }
@@ -200,8 +199,8 @@ fn copies_of_few_particles_stay_together() {
 
 #[test]
 fn the_pose_is_that_of_the_heaviest_cluster_or_of_all() {
-    let mut poses = heap(Pose2::new(0.0, 0.0, 0.0), [0.1, 0.1, 0.1], 600, 1);
-    poses.extend(heap(Pose2::new(10.0, 0.0, 0.0), [0.1, 0.1, 0.1], 400, 2));
+    let mut poses = cluster(Pose2::new(0.0, 0.0, 0.0), [0.1, 0.1, 0.1], 600, 1);
+    poses.extend(cluster(Pose2::new(10.0, 0.0, 0.0), [0.1, 0.1, 0.1], 400, 2));
     let cloud = Particles::from_poses(poses);
     let estimate = |pose| {
         let settings = ClusterSettings::default().pose(pose);

@@ -63,9 +63,9 @@ fn round(seed: u64, noise: &VelocityNoise, rounds: usize) -> Round {
         .collect();
     let mut pose = ORIGIN;
     let moments = (0..50 * rounds).map(|_| {
-        let told = Twist2::forward(0.5, 0.25);
-        let sigmas = noise.variances(told, HALF).map(f64::sqrt);
-        let mut drove = told;
+        let reported = Twist2::forward(0.5, 0.25);
+        let sigmas = noise.variances(reported, HALF).map(f64::sqrt);
+        let mut drove = reported;
         drove.vx += sigmas.x * normal(&mut rng);
         drove.omega += sigmas.z * normal(&mut rng);
         pose = Integration::ExactArc.step(pose, drove, HALF);
@@ -78,7 +78,7 @@ fn round(seed: u64, noise: &VelocityNoise, rounds: usize) -> Round {
             let errors = [normal(&mut rng), normal(&mut rng)];
             seen(pose, k as u32, places[k], errors)
         });
-        (told, errors.collect())
+        (reported, errors.collect())
     });
     let moments = moments.collect();
     Round { moments, places, truth: pose }
@@ -163,8 +163,8 @@ fn the_proposal_has_the_posterior_of_plain_sampling() {
         (0..2).map(|k| seen(ORIGIN, k as u32, places[k], [0.0; 2])).collect();
     slam.correct(&first).unwrap();
     let map = slam.landmarks().unwrap();
-    let told = Twist2::forward(1.0, 0.0);
-    slam.predict(told, 1.0).unwrap();
+    let reported = Twist2::forward(1.0, 0.0);
+    slam.predict(reported, 1.0).unwrap();
     let second: Vec<LandmarkObservation> =
         (0..2).map(|k| seen(Pose2::new(1.06, 0.02, 0.03), k as u32, places[k], [0.0; 2])).collect();
     slam.correct(&second).unwrap();
@@ -284,10 +284,10 @@ fn errors_are_about_what_the_filter_says() {
         let deviation = pose.pose_deviation(round.truth);
         nees += pose.deviation_squared(&deviation).unwrap() / 30.0;
         off += deviation.fixed_rows::<2>(0).norm() / 30.0;
-        let told = |pose, (twist, _): &(Twist2, Vec<LandmarkObservation>)| {
+        let reported = |pose, (twist, _): &(Twist2, Vec<LandmarkObservation>)| {
             Integration::ExactArc.step(pose, *twist, HALF)
         };
-        odometry += round.moments.iter().fold(ORIGIN, told).distance(round.truth) / 30.0;
+        odometry += round.moments.iter().fold(ORIGIN, reported).distance(round.truth) / 30.0;
     }
     assert!(nees > 1.0 && nees < 12.0, "{nees}");
     assert!(off < 0.15 && off < 0.5 * odometry, "{off} {odometry}");

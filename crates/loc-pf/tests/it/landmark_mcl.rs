@@ -329,9 +329,9 @@ fn bad_input_is_refused_and_changes_nothing() {
         refusal(settings(), none),
         "landmarks of the map: expected at least 1, got 0 elements"
     );
-    let nobody = settings().particles(0);
+    let empty = settings().particles(0);
     assert_eq!(
-        refusal(nobody, map()),
+        refusal(empty, map()),
         "LandmarkMclSettings.particles: expected a number >= 1, got 0"
     );
     let recovery = RecoverySettings::default().factor(0.5);

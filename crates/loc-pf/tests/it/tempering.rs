@@ -1,4 +1,4 @@
-//! Scans taken in by degrees leave the cloud as wide as it should be.
+//! Tempered updates leave the particle set as wide as it should be.
 
 use loc_core::Pose2;
 use loc_core::motion::OdometryNoise;

@@ -24,7 +24,7 @@ fn mounted(scan: &LaserScan) -> [MountedScan<'_>; 1] {
     [MountedScan { scan, mounting: Pose2::IDENTITY }]
 }
 
-/// A filter that is told where the robot is, give or take.
+/// A filter that starts near the true pose.
 fn tracking(map: &OccupancyGrid, robot: &Robot, settings: MclSettings, seed: u64) -> Mcl {
     let mut mcl = Mcl::new(map, settings, stream(seed, "mcl")).unwrap();
     mcl.start_at(&pose_belief(robot.truth, [0.2, 0.2, 0.1])).unwrap();

@@ -63,7 +63,7 @@ fn damage_is_found_wherever_it_is() {
     let (times, notes) = damaged(chunks[1] + 500_000);
     assert_eq!(times, [0, 2]);
     assert_eq!(notes, ["1 chunks with a wrong CRC passed over: they are damaged"]);
-    // Nobody reads the index of a chunk, but its bytes count.
+    // The index is not read of a chunk, but its bytes count.
     let (times, notes) = damaged(indices[0] + 12);
     assert_eq!(times, [0, 1, 2]);
     assert_eq!(notes, ["its data have a wrong CRC: something in them is damaged"]);

@@ -113,7 +113,7 @@ impl Method {
         }
     }
 
-    /// Whether it can find the robot without being told where it starts.
+    /// Whether it can find the robot without a start pose.
     pub fn can_search(self) -> bool {
         matches!(self, Method::Lateration | Method::Histogram | Method::Mcl)
     }

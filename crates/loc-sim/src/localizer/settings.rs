@@ -37,7 +37,7 @@ pub struct MethodSettings {
     pub slam: SlamSettings,
     /// For `fastslam`.
     pub fastslam: FastSlamSettings,
-    /// Whether methods that can find the robot anywhere are not told where it starts.
+    /// Whether methods that can search start without a pose.
     pub global: bool,
     /// Whether the estimates of Kalman filters are smoothed after the run, beside those that they
     /// had during it.

@@ -118,7 +118,7 @@ pub fn final_beliefs(run: &Run, also_in_frame: Option<&str>) -> Vec<String> {
 }
 
 /// What each method needs and how well it did, at most 80 columns wide, without a line break at its
-/// end. Of a method that was not told where it starts, errors count from when it has found the
+/// end. Of a method without a start pose, errors count from when it has found the
 /// robot.
 pub fn comparison(run: &Run, summary: &Summary) -> String {
     let mut lines = vec![heading(summary)];

@@ -260,7 +260,7 @@ fn range(text: &str) -> Result<Option<Vec<AxisValue>>, String> {
     let at = |k: usize| rounded(from + (to - from) * (k as f64 / steps as f64));
     let values: Vec<f64> = (0..=steps).map(at).collect();
     let whole = |text: &str| text.parse::<i64>().is_ok();
-    // Beyond 2^53 neighbours cannot be told apart anyway.
+    // Beyond 2^53 neighbours are not distinct anyway.
     let fits = |value: &f64| value.fract().abs() <= 0.0 && value.abs() < 9e15;
     let integers = whole(first) && whole(last) && values.iter().all(fits);
     let value = |value: f64| match integers {

@@ -97,7 +97,7 @@ impl Journal {
             bytes.clear();
             let length = reader.read_until(b'\n', &mut bytes).map_err(io())?;
             if length == 0 || bytes.last() != Some(&b'\n') {
-                // A file of somebody else's is not to be cut.
+                // A file of another program is not truncated.
                 if number == 0 && !HEAD.starts_with(&bytes) && !bytes.starts_with(HEAD) {
                     return Err(no_journal(&self.path));
                 }

@@ -80,7 +80,7 @@ fn without_arguments_it_runs_the_overview() {
     let report = fs::read_to_string(out.join("report.html")).unwrap();
     assert!(!report.contains("src=") && !report.contains("href=\"http"), "needs no network");
     assert!(report.matches("<svg").count() >= 3);
-    // Twelve methods in one figure: means that can be told apart, one entry for all ellipses.
+    // Twelve methods in one figure: means that are distinct, one entry for all ellipses.
     let errors = fs::read_to_string(out.join("errors.svg")).unwrap();
     assert!(errors.contains("means over windows of 0.9 s") && errors.len() < 200_000);
     let map = fs::read_to_string(out.join("map.svg")).unwrap();

@@ -94,9 +94,12 @@ fn output_onto_a_full_disk_is_an_error() {
     for line in ["list", "run two-sensors --out o", "run two-sensors --out o --mcap /dev/full"] {
         let target = if line.contains("/dev/full") { "/dev/null" } else { "/dev/full" };
         let output = shell(folder.path(), &format!("\"$0\" {line} > {target}"));
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{line}: {told}");
-        assert!(told.contains("No space left on device") && told.lines().count() == 1, "{told}");
+        let reported = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{line}: {reported}");
+        assert!(
+            reported.contains("No space left on device") && reported.lines().count() == 1,
+            "{reported}"
+        );
     }
 }
 
@@ -109,9 +112,9 @@ fn a_run_that_does_not_fit_leaves_nothing() {
     {
         let limited = format!("trap '' XFSZ; ulimit -f 8; \"$0\" {line}");
         let output = shell(folder.path(), &limited);
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{told}");
-        assert!(told.contains("File too large") && told.lines().count() == 1, "{told}");
+        let reported = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{reported}");
+        assert!(reported.contains("File too large") && reported.lines().count() == 1, "{reported}");
         assert_eq!(all_entries(folder.path()), Vec::<String>::new(), "{line}");
     }
     // What was there before is left as it was.
@@ -148,9 +151,9 @@ fn a_place_that_cannot_be_written_is_named() {
         "run two-sensors --out o --mcap file/o.mcap",
     ] {
         let output = loc_sim(folder.path(), line);
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{line}: {told}");
-        assert!(told.contains("file") && told.lines().count() == 1, "{line}: {told}");
+        let reported = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{line}: {reported}");
+        assert!(reported.contains("file") && reported.lines().count() == 1, "{line}: {reported}");
         assert_eq!(all_entries(folder.path()), ["file"], "{line}");
     }
     assert_eq!(fs::read(folder.path().join("file")).unwrap(), b"mine");
@@ -170,9 +173,9 @@ fn ended(child: &mut Child) -> (Option<i32>, String) {
         assert!(started.elapsed() < Duration::from_secs(20), "it does not end");
         std::thread::sleep(Duration::from_millis(5));
     }
-    let mut told = String::new();
-    child.stderr.take().unwrap().read_to_string(&mut told).unwrap();
-    (child.wait().unwrap().code(), told)
+    let mut reported = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut reported).unwrap();
+    (child.wait().unwrap().code(), reported)
 }
 
 #[test]
@@ -250,7 +253,7 @@ fn there_are_no_colours_in_a_file() {
     let folder = TempDir::new().unwrap();
     for line in ["--help", "run --help", "fly", "run two-sensors --method x"] {
         let output = loc_sim(folder.path(), line);
-        let told = text(&output.stdout) + &text(&output.stderr);
-        assert!(!told.contains('\u{1b}') && told.len() > 20, "{line}: {told}");
+        let reported = text(&output.stdout) + &text(&output.stderr);
+        assert!(!reported.contains('\u{1b}') && reported.len() > 20, "{line}: {reported}");
     }
 }

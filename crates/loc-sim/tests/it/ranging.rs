@@ -53,7 +53,7 @@ fn labyrinth_by_lateration() {
     let errors = with.errors.unwrap();
     assert_eq!((errors.heading_rmse_deg, errors.rpe_rot_rmse_deg), (None, None));
     assert!((0.5..4.0).contains(&nees), "of two degrees of freedom: {nees}");
-    // Nobody says where it starts.
+    // Without a start pose.
     let found = figures(open(), Method::Lateration, &["filter.global=true"]);
     assert!(found.converged_at_s.is_some_and(|after| after < 2.0), "{found:?}");
 }
@@ -146,7 +146,7 @@ fn plaza_distances_become_velocities_and_ranges_are_sorted() {
     let mut source = RangeRecording::plaza(folder.path(), 1, &START).unwrap();
     assert_eq!(source.notes(), ["1 ranges stand behind later ones in the file; sorted by stamp"]);
     let events = events(&mut source);
-    let told: Vec<(f64, f64, &str)> =
+    let reported: Vec<(f64, f64, &str)> =
         events.iter().map(|event| (event.stamp, event.arrival, kind(event))).collect();
     let expected = [
         (10.0, 10.0, "truth"),
@@ -158,7 +158,7 @@ fn plaza_distances_become_velocities_and_ranges_are_sorted() {
         (10.4, 10.4, "control"),
         (10.4, 10.4, "truth"),
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     let Payload::Control(Control::Velocity(twist)) = events[5].payload else { panic!() };
     assert_relative_eq!(twist.vx, 1.5, epsilon = 1e-9);
 }

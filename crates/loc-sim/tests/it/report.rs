@@ -12,8 +12,8 @@ use std::io::Read;
 fn filmed(name: &str, changes: &[&str]) -> Run {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
     let scenario = Scenario::named(name, &changes).unwrap();
-    let mut told = |_share| {};
-    let mut playback = PlaybackRecorder::new(&mut told);
+    let mut reported = |_share| {};
+    let mut playback = PlaybackRecorder::new(&mut reported);
     let mut run = scenario.run_observed(None, None, &mut playback).unwrap();
     run.playback = Some(playback.playback);
     run

@@ -81,7 +81,7 @@ fn the_belief_adds_up_and_the_whole_map_can_be_read() {
     let mut robot = Robot::new(&map, 5);
     let sum = |localizer: &GridLocalizer| localizer.position_probabilities().iter().sum::<f64>();
     assert!((sum(&localizer) - 1.0).abs() < 1e-9);
-    // Nobody knows anything: the middle of the free area, and any heading.
+    // Nothing is known: the middle of the free area, and any heading.
     let mean = localizer.mean();
     assert!((mean.covariance.m33 - std::f64::consts::PI.powi(2) / 3.0).abs() < 0.01);
     assert!(mean.covariance.m11.sqrt() > 3.0);
@@ -116,7 +116,7 @@ fn it_is_the_same_every_time() {
     assert_eq!(run(), run());
 }
 
-/// A robot that hardly moves takes in one scan; odometry alone carries the estimate along.
+/// A robot that hardly moves uses one scan; odometry alone carries the estimate along.
 #[test]
 fn a_robot_at_rest_takes_in_one_scan() {
     let map = office();

@@ -126,6 +126,6 @@ fn contradictions_are_told() {
     let mut ranges = seen([1.0, 1.0], &[[0.0, 0.0], [4.0, 0.0], [0.0, 4.0], [4.0, 4.0]]);
     ranges.iter_mut().for_each(|range| range.distance += 20.0);
     let solution = locate(&ranges, None, &LaterationSettings::default()).unwrap();
-    let told = |caution: &Caution| matches!(caution, Caution::Contradiction { .. });
-    assert!(finite(&solution) && solution.cautions.iter().any(told), "{:?}", solution.cautions);
+    let reported = |caution: &Caution| matches!(caution, Caution::Contradiction { .. });
+    assert!(finite(&solution) && solution.cautions.iter().any(reported), "{:?}", solution.cautions);
 }

@@ -5,9 +5,7 @@ use loc_core::Pose2;
 use loc_core::gaussian::pose_belief;
 use loc_core::random::stream;
 use loc_filters::Error;
-use loc_filters::line_matching::{
-    FieldOfView, LineEkf, LineMatchingSettings, Tracking,
-};
+use loc_filters::line_matching::{FieldOfView, LineEkf, LineMatchingSettings, Tracking};
 use loc_maps::LineMap;
 use loc_sensors::laser::LaserScan;
 use nalgebra::Matrix2;

@@ -77,10 +77,10 @@ fn systematic_errors_of_the_odometry_are_found() {
     assert!((found.mean.y + 0.04).abs() < 0.012, "{found:?}");
     assert!((found.mean.x - 3_f64.to_radians()).abs() < 3.0 * sigma(0), "{found:?}");
     assert!((found.mean.y + 0.04).abs() < 3.0 * sigma(1), "{found:?}");
-    // One that is told that there are none stays with that.
+    // One without them in its settings does not estimate them.
     let none = SystematicErrors::default().drift(0.0).scale(0.0).wander(0.0);
-    let told = settings().systematic(none);
-    let mut ekf = LineEkf::new(map, told, pose_belief(truth, [0.02; 3])).unwrap();
+    let reported = settings().systematic(none);
+    let mut ekf = LineEkf::new(map, reported, pose_belief(truth, [0.02; 3])).unwrap();
     ekf.odometry(Pose2::IDENTITY).unwrap();
     ekf.odometry(Pose2::new(0.3, 0.0, 0.2)).unwrap();
     ekf.scan(&scanner.scan(ekf.map().as_ref(), truth, &mut rng), scanner.mounting).unwrap();

@@ -30,7 +30,7 @@ fn scanner() -> LaserScanner {
     }
 }
 
-/// What the filter is told of perfect walls and beams.
+/// Settings for perfect walls and beams.
 fn settings() -> LineMatchingSettings {
     let defaults = LineMatchingSettings::default();
     let noise = scanner().spec.noise;

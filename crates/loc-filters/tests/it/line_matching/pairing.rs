@@ -64,7 +64,7 @@ fn pieces_of_one_wall_are_all_matched() {
     assert!(update.after.covariance.m11.sqrt() < 0.0075);
 }
 
-/// Furniture that nobody drew, and walls out of sight, have no partners.
+/// Furniture that is not in the map, and walls out of sight, have no partners.
 #[test]
 fn lines_without_a_partner_are_left_alone() {
     let truth = Pose2::new(1.2, 1.4, 0.2);

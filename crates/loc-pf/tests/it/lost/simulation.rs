@@ -48,7 +48,7 @@ pub(crate) struct Conditions {
     pub(crate) injected: f64,
 }
 
-/// What a monitor is told in an update, and the truth.
+/// The input of a monitor in an update, and the truth.
 #[derive(Debug, Clone)]
 pub(crate) struct Sample {
     /// Here, blocked and near; `None` for a scan that measured nothing.

@@ -47,7 +47,7 @@ pub struct TourConfig {
     pub camera: Option<CameraConfig>,
     /// People who walk about and stand in the way of beams.
     pub people: Option<PeopleConfig>,
-    /// The robot is carried to another place without being told (A3).
+    /// The robot is kidnapped (A3).
     pub kidnap: Option<KidnapConfig>,
 }
 
@@ -146,7 +146,7 @@ impl TourConfig {
         Ok(odometry.with_faults(self.wheels.faults)?)
     }
 
-    /// What a method among landmarks is told unless a filter section says otherwise: the truth.
+    /// The default robot of the methods: the true noise.
     ///
     /// # Errors
     /// [`crate::Error::Config`] and [`loc_core::Error::OutOfRange`] with the key.

@@ -32,11 +32,11 @@ fn words(command: &str) -> Option<Vec<String>> {
         Some,
     )?;
     let command = command.split(" > ").next()?.split("  #").next()?;
-    let told = command.match_indices("  ").find(|(at, _)| {
+    let reported = command.match_indices("  ").find(|(at, _)| {
         let rest = command[*at..].trim_start();
         !rest.starts_with("--")
     });
-    let command = told.map_or(command, |(at, _)| &command[..at]);
+    let command = reported.map_or(command, |(at, _)| &command[..at]);
     Some(shell_words(command))
 }
 

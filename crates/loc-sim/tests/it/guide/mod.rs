@@ -24,9 +24,9 @@ fn mdbook_makes_the_book() {
         .arg(root().join("docs"))
         .output()
         .unwrap();
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{told}");
-    assert!(!told.contains("WARN") && !told.contains("ERROR"), "{told}");
+    let reported = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{reported}");
+    assert!(!reported.contains("WARN") && !reported.contains("ERROR"), "{reported}");
     for page in pages() {
         let name = page.path.file_stem().unwrap().to_string_lossy().into_owned();
         if name == "SUMMARY" {

@@ -54,7 +54,7 @@ fn dead_reckoning_and_mcl_run_where_none_is_named() {
     assert_eq!(summary["seed"], 1);
     let svg = fs::read_to_string(folder.path().join("out/hall/map.svg")).unwrap();
     assert!(svg.contains("data:image/png;base64"));
-    // Nobody knows where odometry starts in the raw log.
+    // The start of the odometry is unknown in the raw log.
     let raw = super::command::summary(&folder, &["raw.log", "--map", "hall.yaml", "--global"]);
     assert_eq!(raw["methods"].as_object().unwrap().len(), 1);
     let truth = folder.path().join("out/raw/truth.tum");

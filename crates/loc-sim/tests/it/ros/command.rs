@@ -22,7 +22,7 @@ fn info(folder: &Path, log: &str) -> (String, Vec<(String, String, u64)>) {
     let topic = |row: &Value| {
         let count = row["count"].as_u64().unwrap();
         let span = row["end_s"].as_f64().unwrap() - row["start_s"].as_f64().unwrap();
-        // A rate is told where there is time for one.
+        // A rate is printed where there is time for one.
         assert_eq!(row["rate_hz"].is_f64(), span > 0.0, "{row}");
         (text(&row["topic"]), text(&row["type"]), count)
     };
@@ -149,7 +149,7 @@ fn runs_and_replays_write_what_viewers_know() {
     let printed = loc_sim(path, &[&replay[..], &["--mcap", "replay.mcap"]].concat());
     assert!(printed.contains("times as fast as it was"), "{printed}");
     let replayed = topics(&path.join("replay.mcap"));
-    // Nobody knows the truth here; the second method has a topic of its own.
+    // The truth is unknown here; the second method has a topic of its own.
     let mut expected = BTreeMap::from(laser);
     expected.remove("/ground_truth");
     let pose = expected["/amcl_pose"].clone();

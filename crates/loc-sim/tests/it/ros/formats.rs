@@ -188,7 +188,7 @@ fn a_laser_without_a_place_is_an_error() {
 }
 
 /// A text that claims more bytes than its message has: the message is passed over, and the reason
-/// is told.
+/// is reported.
 #[test]
 fn texts_beyond_their_message_are_counted() {
     let mut messages = drive();
@@ -200,13 +200,17 @@ fn texts_beyond_their_message_are_counted() {
     for replayed in in_every_format(&messages) {
         let (events, notes) = replayed.unwrap();
         assert_eq!(scans(&events), [1.0, 3.0, 4.0]);
-        let told = notes.iter().find(|line| line.contains("messages that cannot be used")).unwrap();
-        assert!(told.contains("/scan: frame_id") && told.contains("4294967295"), "{told}");
+        let reported =
+            notes.iter().find(|line| line.contains("messages that cannot be used")).unwrap();
+        assert!(
+            reported.contains("/scan: frame_id") && reported.contains("4294967295"),
+            "{reported}"
+        );
     }
 }
 
 /// A recorder that was killed: whatever the byte, what is there is used, or an error says what is
-/// missing; it is always told that the bag breaks off.
+/// missing; it is always reported that the bag breaks off.
 #[test]
 fn bags_cut_off_anywhere_are_used_up_to_there() {
     for (name, whole) in bags(&drive()) {
@@ -220,8 +224,9 @@ fn bags_cut_off_anywhere_are_used_up_to_there() {
                     assert!(scans >= most && scans <= 4, "{name} {length}");
                     most = scans;
                     let says = ["breaks off", "was not closed", "ends within", "unpacks to"];
-                    let told = notes.iter().any(|note| says.iter().any(|say| note.contains(say)));
-                    assert!(told || scans == 4, "{name} {length}: {notes:?}");
+                    let reported =
+                        notes.iter().any(|note| says.iter().any(|say| note.contains(say)));
+                    assert!(reported || scans == 4, "{name} {length}: {notes:?}");
                 }
                 Err(error) => assert!(most == 0 && !error.is_empty(), "{name} {length}: {error}"),
             }

@@ -117,9 +117,9 @@ fn with_parameters(folder: &Path, lines: &[&str]) -> (Value, String) {
         .args(["replay", "late.mcap", "--map", "office.yaml", "--config", "amcl.yaml", "--json"])
         .output()
         .unwrap();
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{told}");
-    (serde_json::from_slice(&output.stdout).unwrap(), told)
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{reported}");
+    (serde_json::from_slice(&output.stdout).unwrap(), reported)
 }
 
 #[test]
@@ -140,9 +140,12 @@ fn the_parameters_of_nav2_serve_a_bag() {
         let notes = summary["notes"].as_array().unwrap();
         notes.iter().map(|note| note.as_str().unwrap()).collect::<Vec<_>>().join("\n")
     };
-    let (summary, told) = with_parameters(folder.path(), &[&start[..], &fits].concat());
-    assert!(told.contains("amcl.yaml:10: laser_importance: not a parameter"), "{told}");
-    assert!(!told.contains("scan_topic") && !notes(&summary).contains("not in the bag"), "{told}");
+    let (summary, reported) = with_parameters(folder.path(), &[&start[..], &fits].concat());
+    assert!(reported.contains("amcl.yaml:10: laser_importance: not a parameter"), "{reported}");
+    assert!(
+        !reported.contains("scan_topic") && !notes(&summary).contains("not in the bag"),
+        "{reported}"
+    );
     assert!((summary["odometry"]["delay_s"].as_f64().unwrap() + 0.12).abs() < 0.01);
     assert!(summary["methods"]["mcl"]["beam_fit_at_end"].as_f64().unwrap() > 0.95, "{summary}");
     let used = summary["methods"]["mcl"]["measurements_used"].as_u64().unwrap();

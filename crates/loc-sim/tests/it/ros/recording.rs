@@ -101,11 +101,11 @@ fn scans_wait_for_the_odometry_around_them() {
         }
         other => panic!("{other:?}"),
     };
-    let told: Vec<f64> = events.iter().map(x).collect();
+    let reported: Vec<f64> = events.iter().map(x).collect();
     // From the first scan on: its odometry, the scan, and so on.
-    assert_eq!(told.len(), 6);
-    for (told, expected) in told.iter().zip([1.5, -1.0, 3.0, -1.0, 3.0, 4.0]) {
-        assert!((told - expected).abs() < 1e-9, "{told} {expected}");
+    assert_eq!(reported.len(), 6);
+    for (reported, expected) in reported.iter().zip([1.5, -1.0, 3.0, -1.0, 3.0, 4.0]) {
+        assert!((reported - expected).abs() < 1e-9, "{reported} {expected}");
     }
     assert!(events.windows(2).all(|pair| pair[0].stamp <= pair[1].stamp));
     assert!(notes.iter().any(|note| note == "2 scans without odometry before and after them"));

@@ -200,7 +200,7 @@ fn samples_and_fixes_become_measurements() {
     assert!((second.mean.x - 100.0 * EAST).abs() < 1e-2, "{second:?}");
     assert!((second.mean.y - 200.0 * NORTH).abs() < 1e-2, "{second:?}");
     assert_eq!((second.covariance.m11, second.covariance.m22), (0.04, 0.09));
-    // A covariance that nobody knows is that of a usual receiver.
+    // A covariance that are unknown is that of a usual receiver.
     assert!(third.mean.norm() < 1e-9 && (third.covariance.m11.sqrt() - 2.088).abs() < 1e-3);
     let says = |text: &str| assert!(notes.iter().any(|note| note.contains(text)), "{notes:?}");
     says("2 messages without a fix, or of half an inertial unit");
@@ -239,7 +239,7 @@ fn sensors_can_be_left_out_and_chosen() {
     let (count, notes) = number(&with(None, None));
     assert_eq!(count, 2);
     assert!(notes.iter().any(|note| note.contains("--imu-topic")), "{notes:?}");
-    // A unit whose place nobody knows is no reason not to replay.
+    // A unit without a known mounting is no reason not to replay.
     let (count, notes) = number(&with(Some("/other_imu"), None));
     assert_eq!(count, 2);
     assert!(notes.iter().any(|note| note.contains("no transform base <- nowhere")), "{notes:?}");

@@ -136,7 +136,7 @@ fn tables() {
     SpatialTrajectory::parse_tum(&path, tum).unwrap();
     let path = corpus.put("plane", tum.as_bytes());
     assert_eq!(Trajectory::read_tum(&path).unwrap().len(), 2);
-    // The kind is told by the first byte, 0 here.
+    // The kind is given by the first byte, 0 here.
     corpus.put("plane", &[&[0], tum.as_bytes()].concat());
     LandmarkMap::parse_csv("a", "id,x,y,z\n3,1.0,2.0,0.5\n").unwrap();
     corpus.put("landmarks", b"\x02id,x,y,z\n3,1.0,2.0,0.5\n");

@@ -155,15 +155,15 @@ fn more_seeds_go_on_and_fewer_are_a_part() {
 fn a_stopped_study_keeps_finished_runs() {
     let folder = TempDir::new().unwrap();
     let study = drive(200, &[], &[Method::Ekf]);
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     let done = study.run(folder.path(), 2, &mut |now| {
-        told.push(now);
+        reported.push(now);
         now.done < 5
     });
     assert!(!done.unwrap());
     let count = lines(folder.path()).len();
     assert!((5..200).contains(&count), "{count}");
-    assert_eq!((told[0].kept, told[0].total), (0, 200));
+    assert_eq!((reported[0].kept, reported[0].total), (0, 200));
     assert!(study.results(folder.path()).unwrap().groups[0].runs == count as u64);
     let expected = complete(&study, TempDir::new().unwrap().path(), 1);
     assert_eq!(complete(&study, folder.path(), 2), expected);
