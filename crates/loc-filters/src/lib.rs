@@ -9,6 +9,7 @@
 //! | [`innovation`] | residual, NIS and chi-square gate of a measurement |
 //! | [`association`] | data association: nearest neighbour, maximum likelihood, joint compatibility |
 //! | [`delayed`] | late and out-of-order inputs |
+//! | [`divergence`] | filters that notice that they have gone wrong |
 //! | [`smoother`] | Rauch-Tung-Striebel smoothing of any of these filters |
 //! | [`landmark`] | localization with landmarks of known positions |
 //! | [`lateration`] | positions from ranges, once or over a sliding window |
@@ -20,6 +21,7 @@
 pub mod association;
 pub mod dead_reckoning;
 pub mod delayed;
+pub mod divergence;
 mod error;
 pub mod extended;
 pub mod fusion;

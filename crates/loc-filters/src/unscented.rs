@@ -9,7 +9,9 @@
 //!
 //! The 2 N + 1 points stand in the mean and at `+- sqrt(N + kappa)` standard deviations, with
 //! `kappa = 3 - N`, at least 0: no weight is negative, every covariance is a sum of squares. Angles
-//! are averaged on the circle.
+//! are averaged on the circle. Where an angle is so uncertain that its points would pass half a turn,
+//! they stay nearer to the mean, and the slopes between them stand for the whole covariance: a
+//! prediction never narrows.
 //!
 //! ```
 //! use loc_core::Gaussian;
@@ -115,7 +117,7 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
         let mean = moved.mean(|state, center| self.wrapped(state - center));
         let off = moved.map(|state| self.wrapped(state - mean));
         let noise = motion.linearize(&self.belief.mean).noise;
-        let covariance = off.second_moment() + noise;
+        let covariance = off.covariance() + noise;
         if !covariance.iter().all(|value| value.is_finite()) {
             let found = format!("{:?}", covariance.as_slice());
             return Err(Error::NotFinite { what: "predicted covariance", found });
@@ -171,7 +173,10 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
             step: self.steps,
             found: format!("{:?}", self.belief.covariance.as_slice()),
         })?;
-        Ok((Points::about(&self.belief.mean, &root), root))
+        let widest = self.angles.iter().filter(|&&angle| angle < N);
+        let widest = widest.map(|&angle| root.row(angle).amax()).fold(0.0, f64::max);
+        let distance = usual_distance::<N>().min(MAX_TURN / widest);
+        Ok((Points::about(&self.belief.mean, &root, distance), root))
     }
 
     fn wrapped(&self, state: SVector<f64, N>) -> SVector<f64, N> {
@@ -183,6 +188,8 @@ impl<const N: usize> UnscentedKalmanFilter<N> {
 /// column of the covariance's root.
 #[derive(Debug, Clone, Copy)]
 struct Points<T, const N: usize> {
+    /// How far the points are from the middle, in columns of the root.
+    distance: f64,
     middle: T,
     ahead: [T; N],
     behind: [T; N],
@@ -195,9 +202,17 @@ const CERTAIN: f64 = 1e-14;
 /// Rounding may make a variance negative by this share.
 const ROUNDING: f64 = 1e-9;
 
-/// N + kappa, the square of the points' distance in standard deviations.
+/// An angle of a sigma point is at most this far from that of the middle \[rad\].
+const MAX_TURN: f64 = 0.95 * std::f64::consts::PI;
+
+/// N + kappa, the square of the points' usual distance in standard deviations.
 fn reach<const N: usize>() -> f64 {
     (N as f64).max(3.0)
+}
+
+/// The points' distance in standard deviations, unless an angle limits it.
+fn usual_distance<const N: usize>() -> f64 {
+    reach::<N>().sqrt()
 }
 
 /// The weight of the middle, and that of each other point.
@@ -207,10 +222,10 @@ fn weights<const N: usize>() -> (f64, f64) {
 
 impl<const N: usize> Points<SVector<f64, N>, N> {
     /// The points of a belief with this root of its covariance.
-    fn about(mean: &SVector<f64, N>, root: &SMatrix<f64, N, N>) -> Self {
-        let distance = reach::<N>().sqrt();
+    fn about(mean: &SVector<f64, N>, root: &SMatrix<f64, N, N>, distance: f64) -> Self {
         let along = |k: usize| root.column(k) * distance;
         Points {
+            distance,
             middle: *mean,
             ahead: std::array::from_fn(|k| mean + along(k)),
             behind: std::array::from_fn(|k| mean - along(k)),
@@ -222,6 +237,7 @@ impl<T, const N: usize> Points<T, N> {
     /// What a function makes of each point.
     fn map<U>(&self, mut f: impl FnMut(&T) -> U) -> Points<U, N> {
         Points {
+            distance: self.distance,
             middle: f(&self.middle),
             ahead: std::array::from_fn(|k| f(&self.ahead[k])),
             behind: std::array::from_fn(|k| f(&self.behind[k])),
@@ -254,8 +270,13 @@ impl<const M: usize, const N: usize> Points<SVector<f64, M>, N> {
         center
     }
 
-    /// The weighted sum of their squares.
-    fn second_moment(&self) -> SMatrix<f64, M, M> {
+    /// The weighted sum of their squares; of points that are nearer than usual, that of the line
+    /// through them and of what deviates from it.
+    fn covariance(&self) -> SMatrix<f64, M, M> {
+        if self.distance < usual_distance::<N>() {
+            let (slopes, bend) = self.slopes_and_bend();
+            return slopes * slopes.transpose() + bend;
+        }
         let (w0, w) = weights::<N>();
         let mut sum = self.middle * self.middle.transpose() * w0;
         for point in self.ahead.iter().chain(&self.behind) {
@@ -270,7 +291,8 @@ impl<const M: usize, const N: usize> Points<SVector<f64, M>, N> {
         let (w0, w) = weights::<N>();
         let mut slopes = SMatrix::<f64, M, N>::zeros();
         let mut bend = self.middle * self.middle.transpose() * w0;
-        let per_root = w * reach::<N>().sqrt();
+        let is_near = self.distance < usual_distance::<N>();
+        let per_root = if is_near { 0.5 / self.distance } else { w * usual_distance::<N>() };
         for (k, (ahead, behind)) in self.ahead.iter().zip(&self.behind).enumerate() {
             slopes.set_column(k, &((ahead - behind) * per_root));
             let common = ahead + behind;

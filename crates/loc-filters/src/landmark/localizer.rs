@@ -2,12 +2,14 @@
 
 use super::LandmarkFilter;
 use crate::delayed::{Clock, Sequential};
+use crate::divergence::DivergenceMonitor;
 use crate::localizer::{Estimate, Localizer, Outcome, observed_position};
 use crate::smoother::{Recorded, Smoothable};
 use crate::{ExtendedKalmanFilter, NonlinearFilter, Result, RobotSettings};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::event::{Control, Measurement, Payload};
+use loc_sensors::landmark_camera::LandmarkObservation;
 use std::sync::Arc;
 
 /// Landmark localization over time-stamped inputs in order; [`Delayed`](crate::delayed::Delayed)
@@ -22,6 +24,9 @@ pub struct LandmarkLocalizer<F: NonlinearFilter<3> = ExtendedKalmanFilter<3>> {
     map: Arc<LandmarkMap>,
     clock: Clock,
     twist: Twist2,
+    divergence: DivergenceMonitor,
+    /// When the filter had diverged last \[s\].
+    diverged_at: f64,
 }
 
 impl LandmarkLocalizer {
@@ -53,7 +58,24 @@ impl<F: NonlinearFilter<3>> LandmarkLocalizer<F> {
     ) -> Result<Self> {
         let clock = Clock::starting_at(stamp)?;
         let filter = LandmarkFilter::new(start, settings)?;
-        Ok(LandmarkLocalizer { filter, map: map.into(), clock, twist: Twist2::ZERO })
+        let divergence = DivergenceMonitor::default();
+        let (map, twist) = (map.into(), Twist2::ZERO);
+        Ok(LandmarkLocalizer { filter, map, clock, twist, divergence, diverged_at: stamp })
+    }
+
+    /// Widens the belief until these observations fit: by how far the landmarks are from where they
+    /// are seen.
+    fn widen_by(&mut self, observations: &[LandmarkObservation]) -> Result<()> {
+        let camera = self.filter.belief().pose() * self.filter.settings().mounting;
+        let mut gap = 0.0_f64;
+        for observation in observations {
+            let Some(landmark) = self.map.get(observation.landmark) else { continue };
+            let at = landmark.position.xy();
+            let seen = observed_position(camera, observation);
+            gap = gap.max(seen.map_or(0.0, |seen| nalgebra::distance(&seen, &at)));
+        }
+        let position = gap.max(MIN_WIDENING);
+        self.filter.widen(position, (position / HEADING_ARM).min(MAX_WIDENING))
     }
 
     fn predict_to(&mut self, what: &'static str, stamp: f64) -> Result<()> {
@@ -79,7 +101,13 @@ impl<F: NonlinearFilter<3>> Localizer for LandmarkLocalizer<F> {
         self.predict_to("observations", stamp)?;
         let mut outcomes = Vec::with_capacity(observations.len());
         for observation in observations {
-            outcomes.push(self.filter.correct(&self.map, observation)?);
+            let outcome = self.filter.correct(&self.map, observation)?;
+            let is_gated = outcome.nis.is_some();
+            outcomes.push(outcome);
+            if is_gated && self.divergence.observe(outcome.accepted()) {
+                self.diverged_at = stamp;
+                self.widen_by(observations)?;
+            }
         }
         let camera = self.filter.belief().pose() * self.filter.settings().mounting;
         for (outcome, observation) in outcomes.iter_mut().zip(observations) {
@@ -94,7 +122,27 @@ impl<F: NonlinearFilter<3>> Localizer for LandmarkLocalizer<F> {
             .predict(self.twist, self.clock.until(loc_core::error::finite("stamp [s]", stamp)?))?;
         Ok((*filter.belief()).into())
     }
+
+    fn notes(&self) -> Vec<String> {
+        match self.divergence.restarts() {
+            0 => Vec::new(),
+            count => vec![format!(
+                "the filter had diverged {count} times, last at {:.1} s: its belief was widened \
+                 until the observations fitted again",
+                self.diverged_at
+            )],
+        }
+    }
 }
+
+/// A diverged belief is widened by at least this much \[m\].
+const MIN_WIDENING: f64 = 0.5;
+
+/// Distance at which a turn moves a landmark as far as the position is widened \[m\].
+const HEADING_ARM: f64 = 3.0;
+
+/// A diverged belief is widened by at most this much in its heading \[rad\].
+const MAX_WIDENING: f64 = 1.5;
 
 impl<F: NonlinearFilter<3>> Sequential for LandmarkLocalizer<F> {
     fn uses(&self, measurement: &Measurement) -> bool {

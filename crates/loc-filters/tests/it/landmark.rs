@@ -8,6 +8,7 @@ use loc_filters::delayed::Delayed;
 use loc_filters::landmark::{LandmarkEkf, LandmarkLocalizer};
 use loc_filters::localizer::{Decision, Localizer};
 use loc_maps::{Landmark, LandmarkMap};
+use loc_sensors::event::{Control, Measurement};
 use loc_sensors::landmark_camera::{
     LandmarkCamera, LandmarkNoise, LandmarkObservation, Observed, ObservedKind,
 };
@@ -174,4 +175,45 @@ fn estimates_between_inputs_follow_the_held_velocity() {
     assert_relative_eq!(robot.estimate(20.0).unwrap().pose.x, 2.0, epsilon = 1e-12);
     assert_relative_eq!(robot.estimate(9.0).unwrap().pose.x, 0.0);
     assert!(robot.estimate(f64::NAN).is_err());
+}
+
+/// A filter that has gone wrong by more than it admits rejects everything. It notices that, is led
+/// back by its observations, and says so; one outlier in five is no reason.
+#[test]
+fn a_diverged_filter_notices_and_comes_back() {
+    let landmarks = [(1, 4.0, 1.0), (2, -3.0, 5.0), (3, 2.0, -4.0), (4, -5.0, -2.0)];
+    let map = LandmarkMap::new(landmarks.map(|(id, x, y)| Landmark::planar(id, x, y))).unwrap();
+    let see = |pose: Pose2, outlier: bool| {
+        let seen = landmarks.iter().enumerate().map(|(k, (id, x, y))| {
+            let at = pose.inverse().transform(&nalgebra::Point2::new(*x, *y));
+            let range = at.coords.norm() + if outlier && k == 0 { 3.0 } else { 0.0 };
+            let sight = Observed::RangeBearing { range, bearing: at.y.atan2(at.x) };
+            LandmarkObservation { landmark: *id, sight }
+        });
+        Measurement::Landmarks(seen.collect())
+    };
+    for (wrong, diverges) in [
+        (Pose2::new(0.1, 0.0, 0.02), false),
+        (Pose2::new(4.0, -3.0, 0.5), true),
+        (Pose2::new(-1.0, 2.0, 2.5), true),
+    ] {
+        let truth = Pose2::new(0.5, 0.2, 0.3);
+        let start = pose_belief(truth * wrong, [0.05, 0.05, 0.02]);
+        let settings = RobotSettings::default();
+        let mut robot = LandmarkLocalizer::new(map.clone(), settings, 0.0, start).unwrap();
+        robot.predict(0.0, &Control::Velocity(Twist2::ZERO)).unwrap();
+        let mut back = None;
+        for step in 1..=40 {
+            let stamp = 0.5 * f64::from(step);
+            robot.correct(stamp, &see(truth, step % 2 == 0)).unwrap();
+            let pose = robot.estimate(stamp).unwrap().pose;
+            if back.is_none() && pose.distance(truth) < 0.2 {
+                back = Some(stamp);
+            }
+        }
+        let end = robot.estimate(20.0).unwrap().pose;
+        assert!(end.distance(truth) < 0.1, "{wrong}: {end}");
+        assert!(back.is_some_and(|back| back <= 6.0), "{wrong}: {back:?}");
+        assert_eq!(!robot.notes().is_empty(), diverges, "{wrong}: {:?}", robot.notes());
+    }
 }

@@ -183,6 +183,43 @@ fn a_near_landmark_is_expected_as_it_is_seen() {
     assert!(ukf.belief().mean.x > 0.4);
 }
 
+/// A heading that may be anything: its sigma points would pass half a turn, and a prediction that
+/// wraps them would narrow the belief. It may only widen it.
+#[test]
+fn a_prediction_never_narrows_a_wide_heading() {
+    for sigma in [1.0, 1.8, 2.5, 3.6, 10.0] {
+        let start = pose_belief(Pose2::new(1.0, 2.0, 0.5), [0.1, 0.1, sigma]);
+        let mut ukf = LandmarkUkf::new(start, RobotSettings::default()).unwrap();
+        ukf.predict(Twist2::ZERO, 1.0).unwrap();
+        let kept = ukf.belief().covariance;
+        assert!((kept - start.covariance).amax() < 1e-9 * sigma * sigma, "{sigma}: {kept}");
+        ukf.predict(Twist2::forward(0.5, 0.3), 1.0).unwrap();
+        let moved = ukf.belief();
+        assert!(moved.covariance.m33 >= start.covariance.m33, "{sigma}: {}", moved.covariance);
+        // It may have gone anywhere within 0.5 m.
+        assert!(moved.covariance.m11 >= 0.01 && moved.covariance.m22 >= 0.01);
+        assert!((moved.mean.xy() - start.mean.xy()).norm() <= 0.5);
+    }
+}
+
+/// A landmark ahead tells the heading, however uncertain it was.
+#[test]
+fn a_wide_heading_is_found_from_landmarks() {
+    let map = LandmarkMap::new([Landmark::planar(1, 4.0, 0.0), Landmark::planar(2, 0.0, 5.0)]);
+    let map = map.unwrap();
+    for truth in [0.0, 1.5, -2.5, 3.0] {
+        let start = pose_belief(Pose2::new(0.0, 0.0, 0.4), [0.05, 0.05, 3.6]);
+        let mut ukf = LandmarkUkf::new(start, RobotSettings::default()).unwrap();
+        for (landmark, direction, range) in [(1, 0.0, 4.0), (2, std::f64::consts::FRAC_PI_2, 5.0)] {
+            let bearing = loc_core::angle::wrap(direction - truth);
+            let sight = Observed::RangeBearing { range, bearing };
+            ukf.correct(&map, &LandmarkObservation { landmark, sight }).unwrap();
+        }
+        let off = loc_core::angle::difference(ukf.belief().mean.z, truth);
+        assert!(off.abs() < 0.05, "{truth}: {off}");
+    }
+}
+
 struct Distance;
 
 impl MeasurementModel<2, 1> for Distance {
