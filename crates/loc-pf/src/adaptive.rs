@@ -47,13 +47,17 @@ loc_core::settings! {
         pub certainty: KldCertainty = KldCertainty::Confidence(0.99) => check;
         /// Width of a bin along x and along y \[m\].
         pub bin_position: f64 = 0.5 => positive;
-        /// Width of a bin in heading \[rad\]; narrowed a little where it does not divide the full turn.
+        /// Width of a bin in heading \[rad\]; narrowed a little where it does not divide the full
+        /// turn.
         #[serde(with = "loc_core::settings::angle")]
         pub bin_heading: f64 = 10_f64.to_radians() => positive;
         /// Minimum number of particles.
         pub min_particles: usize = 500 => at_least(1);
         /// Maximum number of particles.
-        pub max_particles: usize = 2000 => holds("at least min_particles", |kld| kld.max_particles >= kld.min_particles);
+        pub max_particles: usize = 2000 => holds(
+            "at least min_particles",
+            |kld| kld.max_particles >= kld.min_particles
+        );
     }
 }
 

@@ -163,19 +163,19 @@ loc_core::settings! {
     /// Drops a beam that is, averaged over the belief, shorter than expected with more than a given
     /// probability (K3): something that is not in the map blocks it.
     ///
-    /// A beam of range d is shorter than expected with `P(d < d* + e)`, e of `N(0, sigma_hit^2)`, with
-    /// d* the range expected by the map; with 1 where no return is expected. Beams without a return are
-    /// never dropped. It keeps the beams that are needed:
+    /// A beam of range d is shorter than expected with `P(d < d* + e)`, e of `N(0, sigma_hit^2)`,
+    /// with d* the range expected by the map; with 1 where no return is expected. Beams without a
+    /// return are never dropped. It keeps the beams that are needed:
     ///
-    /// * with a wide belief (global localization) a beam is dropped only where it is too short nearly
-    ///   everywhere in the belief;
-    /// * where more than `max_dropped` of the beams are too short, the belief is wrong rather than
-    ///   the room crowded, and all are kept;
-    /// * beams that are too long are always kept; they are the evidence for a wrong pose;
-    /// * in a room as mapped a beam has to be too short by 2.3 `sigma_hit` at all poses, which is rare
-    ///   by noise and by smaller errors of the belief.
+    /// * with a wide belief (global localization) a beam is dropped only where it is too short
+    /// nearly   everywhere in the belief; * where more than `max_dropped` of the beams are too
+    /// short, the belief is wrong rather than   the room crowded, and all are kept; * beams that
+    /// are too long are always kept; they are the evidence for a wrong pose; * in a room as mapped
+    /// a beam has to be too short by 2.3 `sigma_hit` at all poses, which is rare   by noise and by
+    /// smaller errors of the belief.
     ///
-    /// A few rays are cast for a beam that is kept, one for each pose of the sample for a dropped one.
+    /// A few rays are cast for a beam that is kept, one for each pose of the sample for a dropped
+    /// one.
     #[derive(Copy)]
     pub struct DistanceFilter {
         /// The probability from which a beam is dropped.
@@ -259,12 +259,12 @@ fn suspects(mounted: &MountedScan<'_>, beams: &[usize]) -> Vec<Suspect> {
 }
 
 loc_core::settings! {
-    /// Drops a beam after which the belief would be less certain than before (K3): its entropy
-    /// `H = -integral b ln b` rises.
+    /// Drops a beam after which the belief would be less certain than before (K3): its entropy `H =
+    /// -integral b ln b` rises.
     ///
-    /// A beam that fits the belief sharpens it. One that hits a person moves weight to the edge of the
-    /// belief, or to poses that were nearly excluded. So does a beam that is evidence for the robot
-    /// being elsewhere: with this filter alone a kidnapped robot stays lost. Where more than
+    /// A beam that fits the belief sharpens it. One that hits a person moves weight to the edge of
+    /// the belief, or to poses that were nearly excluded. So does a beam that is evidence for the
+    /// robot being elsewhere: with this filter alone a kidnapped robot stays lost. Where more than
     /// `max_dropped` of the beams raise the entropy, all are kept.
     ///
     /// The density before the beam is the Gaussian with the mean and covariance of the sample; the

@@ -163,7 +163,10 @@ loc_core::settings! {
     #[derive(Copy)]
     pub struct AugmentedSettings {
         /// Share by which the long-term average follows each update (`recovery_alpha_slow`).
-        pub alpha_slow: f64 = 0.001 => holds("a number above 0 and below alpha_fast", |s| s.alpha_slow > 0.0 && s.alpha_slow < s.alpha_fast);
+        pub alpha_slow: f64 = 0.001 => holds(
+            "a number above 0 and below alpha_fast",
+            |s| s.alpha_slow > 0.0 && s.alpha_slow < s.alpha_fast
+        );
         /// Share by which the short-term average does (`recovery_alpha_fast`), above `alpha_slow`.
         pub alpha_fast: f64 = 0.1 => share;
     }

@@ -276,9 +276,12 @@ loc_core::settings! {
     /// Settings of [`Tempering`].
     #[derive(Copy)]
     pub struct TemperingSettings {
-        /// A stage uses the share of the measurement that leaves this share of the particles effective,
-        /// in (0, 1).
-        pub effective_share: f64 = 0.5 => holds("a share above 0 and below 1", |t| t.effective_share > 0.0 && t.effective_share < 1.0);
+        /// A stage uses the share of the measurement that leaves this share of the particles
+        /// effective, in (0, 1).
+        pub effective_share: f64 = 0.5 => holds(
+            "a share above 0 and below 1",
+            |t| t.effective_share > 0.0 && t.effective_share < 1.0
+        );
         /// Particles make steps until this many are accepted for each of them on average ..
         pub moves: f64 = 0.5 => positive;
     }

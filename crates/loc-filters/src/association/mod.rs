@@ -194,11 +194,12 @@ loc_core::settings! {
     pub struct AssociationSettings {
         /// The rule.
         pub rule: Rule = Rule::JointCompatibility => any;
-        /// Share of right pairs (and of right sets of pairs) that the gate lets pass, 1 for no gate.
+        /// Share of right pairs (and of right sets of pairs) that the gate lets pass, 1 for no
+        /// gate.
         pub gate_probability: f64 = 0.99 => share;
-        /// A pair is accepted only if the best set of pairs without it is that many times less likely;
-        /// 1 to believe the likelier one, however little. An observation that two landmarks explain about
-        /// equally well is better left out than given to the wrong one.
+        /// A pair is accepted only if the best set of pairs without it is that many times less
+        /// likely; 1 to believe the likelier one, however little. An observation that two landmarks
+        /// explain about equally well is better left out than given to the wrong one.
         pub min_ratio: f64 = 10.0 => at_least(1.0);
         /// Maximum number of hypotheses of the joint search for the observations of one moment.
         pub search_limit: usize = 5_000 => at_least(1);

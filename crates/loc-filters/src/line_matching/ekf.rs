@@ -5,9 +5,6 @@ use super::model::{
 };
 use super::pairing::{Lines, Pair, WithBelief, in_order, most_likely};
 use super::{FieldOfView, LineMatchingSettings, LinePairing, PredictedLine};
-/// Fewer lines say nothing about whether the robot is lost.
-const MIN_LINES: usize = 2;
-
 use crate::association::{AssociationSettings, Associator};
 use crate::delayed::Sequential;
 use crate::localizer::{Decision, Estimate, Localizer, Outcome};
@@ -24,6 +21,9 @@ use loc_sensors::features::Line;
 use loc_sensors::laser::LaserScan;
 use nalgebra::{Point2, Vector2, Vector3, Vector6};
 use std::sync::Arc;
+
+/// Fewer lines say nothing about whether the robot is lost.
+const MIN_LINES: usize = 2;
 
 /// A Kalman filter over (x, y, theta) \[m, m, rad\] with the walls of a line map: [`LineEkf`] or
 /// [`LineUkf`].

@@ -52,8 +52,8 @@ loc_core::settings! {
         pub systematic: SystematicErrors = SystematicErrors::default() => check;
         /// How lines are found in scans, and what the scanner's noise is.
         pub extractor: LineExtractor = LineExtractor::default().min_points(6) => check;
-        /// How far each end of a map line may be off across it, as a standard deviation \[m\]: 0 for
-        /// a drawing, about one cell for lines that were found in a grid.
+        /// How far each end of a map line may be off across it, as a standard deviation \[m\]: 0
+        /// for a drawing, about one cell for lines that were found in a grid.
         pub map_sigma: f64 = 0.0 => non_negative;
         /// Map lines that are shorter are not matched; they still hide others \[m\].
         pub min_map_length: f64 = 0.3 => positive;
@@ -61,8 +61,8 @@ loc_core::settings! {
         pub pairing: LinePairing = LinePairing::default() => any;
         /// The share of the shorter of two lines that must lie beside the other one.
         pub min_overlap: f64 = 0.5 => probability;
-        /// How far a wall may be seen beyond the stretch that is predicted, two standard deviations of
-        /// the position beside \[m\].
+        /// How far a wall may be seen beyond the stretch that is predicted, two standard deviations
+        /// of the position beside \[m\].
         pub slack: f64 = 0.3 => non_negative;
         /// When the robot counts as lost.
         pub lost: LostSettings = LostSettings::default() => check;
@@ -82,8 +82,8 @@ pub enum LinePairing {
 }
 
 loc_core::settings! {
-    /// Systematic errors of an odometry, as standard deviations about none; 0 for an error that it does
-    /// not have.
+    /// Systematic errors of an odometry, as standard deviations about none; 0 for an error that it
+    /// does not have.
     ///
     /// 2 degrees per metre and 3 %, of which a fiftieth may change on each metre.
     #[derive(Copy)]

@@ -143,9 +143,12 @@ loc_core::settings! {
         /// Maximum error of a reported pose that is not lost.
         pub tolerance: Tolerance = Tolerance::default() => check;
         /// Share of the log odds that stays from one update to the next.
-        pub memory: f64 = 0.625 => holds("from 0 to below 1", |lost| (0.0..1.0).contains(&lost.memory));
-        /// Shift of the log odds by a scan that fits no better than at the best of the random poses,
-        /// with no beam blocked or near.
+        pub memory: f64 = 0.625 => holds(
+            "from 0 to below 1",
+            |lost| (0.0..1.0).contains(&lost.memory)
+        );
+        /// Shift of the log odds by a scan that fits no better than at the best of the random
+        /// poses, with no beam blocked or near.
         pub bias: f64 = -2.478 => finite;
         /// Weight of the margin over the best of the random poses.
         pub margin_weight: f64 = 2.544 => non_negative;

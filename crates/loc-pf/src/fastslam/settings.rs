@@ -23,8 +23,8 @@ loc_core::settings! {
         pub association: AssociationSettings = FastSlamSettings::textbook_association() => check;
         /// Management of landmarks in the map. FastSLAM does not use `merge_ratio`.
         pub map: MapSettings = MapSettings::default() => check;
-        /// Share of observations, in (0, 1], that a particle expects to be of something new. Without
-        /// numbers on landmarks only.
+        /// Share of observations, in (0, 1], that a particle expects to be of something new.
+        /// Without numbers on landmarks only.
         pub new_share: f64 = 0.01 => share;
         /// Probability, in (0, 1], that a landmark in the middle of the view is not seen. Without
         /// numbers on landmarks only.

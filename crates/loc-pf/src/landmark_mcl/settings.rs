@@ -5,7 +5,8 @@ use crate::sensor::landmark::ObservationModel;
 use loc_filters::RobotSettings;
 
 loc_core::settings! {
-    /// Settings of [`LandmarkMcl`](super::LandmarkMcl), with defaults that serve a small indoor robot.
+    /// Settings of [`LandmarkMcl`](super::LandmarkMcl), with defaults that serve a small indoor
+    /// robot.
     #[derive(Copy)]
     pub struct LandmarkMclSettings {
         /// The robot and its sensors.
@@ -13,7 +14,10 @@ loc_core::settings! {
         /// Number of particles.
         pub particles: usize = 2000 => at_least(1);
         /// Share of outliers, such as misread numbers, in \[0, 1).
-        pub outlier_share: f64 = 0.01 => holds("a number in [0, 1)", |s| (0.0..1.0).contains(&s.outlier_share));
+        pub outlier_share: f64 = 0.01 => holds(
+            "a number in [0, 1)",
+            |s| (0.0..1.0).contains(&s.outlier_share)
+        );
         /// Distance up to which landmarks are seen \[m\]: outliers are uniform within it.
         pub outlier_range: f64 = 10.0 => positive;
         /// How far the robot may be outside of the box around the landmarks \[m\].
@@ -37,9 +41,9 @@ loc_core::settings! {
         pub alpha_slow: f64 = 0.01 => probability;
         /// Decay of the fast one; 0 for no recovery. Also known as alpha_fast.
         pub alpha_fast: f64 = 0.1 => probability;
-        /// The fast average must fall below the slow one divided by this before anything is done; the
-        /// share of new particles is then `1 - fast / slow`. 1 is the textbook, which replaces a few
-        /// whenever observations fit a little worse than usual.
+        /// The fast average must fall below the slow one divided by this before anything is done;
+        /// the share of new particles is then `1 - fast / slow`. 1 is the textbook, which replaces
+        /// a few whenever observations fit a little worse than usual.
         pub factor: f64 = 2.0 => at_least(1.0);
         /// Share of the new particles that are put where the observations are, the others anywhere.
         pub sensor_resetting: f64 = 0.9 => probability;

@@ -28,11 +28,12 @@ loc_core::settings! {
         /// Noise of the odometry.
         pub motion: MotionSettings = MotionSettings::Path => check;
         /// How scans rate poses.
-        pub sensor: SensorSettings = SensorSettings::LikelihoodField(FieldSettings::default()) => check;
+        pub sensor: SensorSettings =
+            SensorSettings::LikelihoodField(FieldSettings::default()) => check;
         /// Maximum number of beams of a scan that are used (`max_beams`).
         pub beams: usize = 60 => at_least(1);
-        /// As how many independent beams a scan counts, if it has more: its beams see the same walls,
-        /// with the same errors of the map.
+        /// As how many independent beams a scan counts, if it has more: its beams see the same
+        /// walls, with the same errors of the map.
         pub independent_beams: f64 = 20.0 => positive;
         /// What is added to every range \[m\].
         pub range_offset: RangeOffset = RangeOffset::default() => check;
@@ -102,8 +103,8 @@ loc_core::settings! {
     /// Settings of the likelihood field model.
     #[derive(Copy)]
     pub struct FieldSettings {
-        /// The field; its `sigma_hit` is at least 20 times the square of a cell's side \[m\], which is
-        /// 0.05 m for cells of 0.05 m and 0.2 m for cells of 0.1 m.
+        /// The field; its `sigma_hit` is at least 20 times the square of a cell's side \[m\], which
+        /// is 0.05 m for cells of 0.05 m and 0.2 m for cells of 0.1 m.
         pub field: LikelihoodFieldSettings = LikelihoodFieldSettings::default() => check;
         /// How the beams of a scan are taken together.
         pub weighting: Weighting = Weighting::Product => any;

@@ -117,14 +117,14 @@ loc_core::settings! {
     /// nav2_amcl.
     ///
     /// A person or a parcel shortens beams; those that end some `sigma_hit` before a wall pull the
-    /// estimate until they touch it. So before a scan is rated, the particles vote on each beam: it is
-    /// kept if enough of them see it end near an obstacle of the map. (Beams that end far from
+    /// estimate until they touch it. So before a scan is rated, the particles vote on each beam: it
+    /// is kept if enough of them see it end near an obstacle of the map. (Beams that end far from
     /// everything need no skipping here: they cost all poses the same.)
     ///
     /// This is valid only while the particles are near the true pose. When they are not, almost all
-    /// beams disagree, and they are the evidence for that: where more than `error_threshold` of them
-    /// would be skipped, or the particles are wider than `distance`, all are kept. In a static world
-    /// the beams of a tracked robot agree with the particles, and nearly all are kept too.
+    /// beams disagree, and they are the evidence for that: where more than `error_threshold` of
+    /// them would be skipped, or the particles are wider than `distance`, all are kept. In a static
+    /// world the beams of a tracked robot agree with the particles, and nearly all are kept too.
     #[derive(Copy)]
     pub struct BeamSkip {
         /// How far from the nearest obstacle a beam may end to agree with a particle \[m\]
@@ -133,7 +133,8 @@ loc_core::settings! {
         /// A beam is kept if more than this share of the particles agrees with it
         /// (`beam_skip_threshold`).
         pub threshold: f64 = 0.3 => probability;
-        /// All beams are kept if at least this share would be skipped (`beam_skip_error_threshold`).
+        /// All beams are kept if at least this share would be skipped
+        /// (`beam_skip_error_threshold`).
         pub error_threshold: f64 = 0.9 => probability;
     }
 }

@@ -30,7 +30,10 @@ loc_core::settings! {
         pub gate_sigmas: f64 = 5.0 => positive;
         /// The flattest angle between beam and wall at which a wall is followed \[rad\].
         #[serde(with = "loc_core::settings::angle")]
-        pub grazing_angle: f64 = 5_f64.to_radians() => holds("between 0 and pi/2", |e| e.grazing_angle > 0.0 && e.grazing_angle < FRAC_PI_2);
+        pub grazing_angle: f64 = 5_f64.to_radians() => holds(
+            "between 0 and pi/2",
+            |e| e.grazing_angle > 0.0 && e.grazing_angle < FRAC_PI_2
+        );
         /// The widest angle without a return that a wall may continue across \[rad\].
         pub max_gap: f64 = 3_f64.to_radians() => positive;
         /// A wall needs this many beams.

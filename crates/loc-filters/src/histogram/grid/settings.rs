@@ -22,13 +22,14 @@ loc_core::settings! {
         pub field: LikelihoodFieldSettings = LikelihoodFieldSettings::default() => check;
         /// Maximum number of beams of a scan that are used.
         pub beams: usize = 60 => within(1, 10_000);
-        /// As how many independent beams a scan counts, if it has more: its beams see the same walls,
-        /// with the same errors of the map.
+        /// As how many independent beams a scan counts, if it has more: its beams see the same
+        /// walls, with the same errors of the map.
         pub independent_beams: f64 = 20.0 => positive;
-        /// Probability that the robot is kidnapped, or delocalized, between two updates: the share of a
-        /// uniform distribution that is mixed in at each of them.
+        /// Probability that the robot is kidnapped, or delocalized, between two updates: the share
+        /// of a uniform distribution that is mixed in at each of them.
         pub kidnap_rate: f64 = 1e-3 => probability;
-        /// Cells are passed over as long as all of them together have at most this share in the result.
+        /// Cells are passed over as long as all of them together have at most this share in the
+        /// result.
         pub negligible: f64 = 1e-4 => within(0.0, 0.1);
         /// No update before the robot has driven this far \[m\] ..
         pub update_distance: f64 = 0.1 => non_negative;
@@ -51,6 +52,9 @@ loc_core::settings! {
         pub reach: f64 = 0.6 => positive;
         /// How far it reaches to both sides of its middle heading \[rad\].
         #[serde(with = "loc_core::settings::angle")]
-        pub turn: f64 = 15_f64.to_radians() => holds("a number above 0 and up to pi", |f| f.turn > 0.0 && f.turn <= PI);
+        pub turn: f64 = 15_f64.to_radians() => holds(
+            "a number above 0 and up to pi",
+            |f| f.turn > 0.0 && f.turn <= PI
+        );
     }
 }

@@ -42,20 +42,20 @@ loc_core::settings! {
         /// numbers.
         pub max_landmarks: usize = 3000 => at_least(1);
         /// A landmark is provisional until its score reaches this. It begins with 1, an observation
-        /// adds 1, one that contradicts it takes its cost away; a landmark whose score is no longer above 0
-        /// is removed.
+        /// adds 1, one that contradicts it takes its cost away; a landmark whose score is no longer
+        /// above 0 is removed.
         pub confirm_score: f64 = 3.0 => positive;
-        /// What is taken from the score by an observation that contradicts the landmark; 0 where numbers
-        /// are never misread, so that no numbered landmark is removed.
+        /// What is taken from the score by an observation that contradicts the landmark; 0 where
+        /// numbers are never misread, so that no numbered landmark is removed.
         pub contradiction_cost: f64 = 1.0 => non_negative;
-        /// What is taken from the score when a landmark in the middle of the view is not seen. Without
-        /// numbers on landmarks only.
+        /// What is taken from the score when a landmark in the middle of the view is not seen.
+        /// Without numbers on landmarks only.
         pub miss_cost: f64 = 0.2 => non_negative;
         /// Two landmarks become one where that is so many times likelier than that they are two.
         /// Without numbers on landmarks only.
         pub merge_ratio: f64 = 100.0 => at_least(1.0);
-        /// An observation that fits no landmark is a new one where right observations of the known ones lie
-        /// that far out with a probability of less than 1 minus this.
+        /// An observation that fits no landmark is a new one where right observations of the known
+        /// ones lie that far out with a probability of less than 1 minus this.
         pub new_landmark_probability: f64 = 0.9999 => share;
     }
 }
@@ -66,9 +66,9 @@ loc_core::settings! {
     pub struct SlamSettings {
         /// The robot and its sensors.
         pub robot: RobotSettings = RobotSettings::default() => check;
-        /// Share of the variance of observations that those of one moment have in common, below 1: the
-        /// error of a scale that is off, or of a stamp that is late in a turn. Observations are then compared
-        /// with each other more sharply than with the pose.
+        /// Share of the variance of observations that those of one moment have in common, below 1:
+        /// the error of a scale that is off, or of a stamp that is late in a turn. Observations are
+        /// then compared with each other more sharply than with the pose.
         pub common_share: f64 = 0.0 => holds("in [0, 1)", |s| (0.0..1.0).contains(&s.common_share));
         /// How long that error lasts \[s\]: after so much time 1/e of it is left.
         pub common_time: f64 = 10.0 => positive;
@@ -80,8 +80,10 @@ loc_core::settings! {
         pub jacobians: Jacobians = Jacobians::Invariant => any;
         /// How landmarks are confirmed, merged and removed.
         pub map: MapSettings = MapSettings::default() => check;
-        /// If given, the filter updates only the landmarks within this radius \[m\], and applies the
-        /// pending updates of the others when the robot leaves (Guivant and Nebot 2001): the same result, at a cost that follows the landmarks nearby. Best at twice the camera's range.
+        /// If given, the filter updates only the landmarks within this radius \[m\], and applies
+        /// the pending updates of the others when the robot leaves (Guivant and Nebot 2001): the
+        /// same result, at a cost that follows the landmarks nearby. Best at twice the camera's
+        /// range.
         pub submap_radius: Option<f64> = None => each_positive;
     }
 }

@@ -120,12 +120,15 @@ loc_core::settings! {
     pub struct ClusterSettings {
         /// Side of a cell over x and y \[m\]: modes less than two cells apart are one.
         pub cell: f64 = 0.5 => positive;
-        /// Width of a cell over the heading \[rad\], from a 64th of a turn to a third; rounded so that
-        /// a whole number of cells fills a turn.
+        /// Width of a cell over the heading \[rad\], from a 64th of a turn to a third; rounded so
+        /// that a whole number of cells fills a turn.
         #[serde(with = "loc_core::settings::angle")]
-        pub heading_cell: f64 = TAU / 24.0 => holds("from 1/64 to 1/3 of a turn", |c| (TAU / 64.5..=TAU / 2.5).contains(&c.heading_cell));
-        /// Two peaks stay separate where the highest path between them falls to this share of the lower
-        /// one, in \[0, 1\]. With 0, only gaps part clusters.
+        pub heading_cell: f64 = TAU / 24.0 => holds(
+            "from 1/64 to 1/3 of a turn",
+            |c| (TAU / 64.5..=TAU / 2.5).contains(&c.heading_cell)
+        );
+        /// Two peaks stay separate where the highest path between them falls to this share of the
+        /// lower one, in \[0, 1\]. With 0, only gaps part clusters.
         pub valley: f64 = 0.25 => probability;
         /// What the reported pose is taken from.
         pub pose: PoseSource = PoseSource::default() => any;

@@ -57,7 +57,10 @@ loc_core::settings! {
         /// Share of those that nothing returns (`z_max`).
         pub z_max: f64 = 0.05 => non_negative;
         /// Share of those that measure anything (`z_rand`).
-        pub z_rand: f64 = 0.5 => holds("shares >= 0 of which one is above 0", |b| b.z_rand >= 0.0 && (b.z_hit + b.z_short + b.z_max + b.z_rand) > 0.0);
+        pub z_rand: f64 = 0.5 => holds(
+            "shares >= 0 of which one is above 0",
+            |b| b.z_rand >= 0.0 && (b.z_hit + b.z_short + b.z_max + b.z_rand) > 0.0
+        );
         /// Standard deviation of what measures the obstacle \[m\] (`sigma_hit`).
         pub sigma_hit: f64 = 0.2 => positive;
         /// Rate of the exponential distribution of short ranges \[1/m\] (`lambda_short`).
