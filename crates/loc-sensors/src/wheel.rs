@@ -181,10 +181,8 @@ pub struct WheelFaults {
     /// the wheel reports `1/(1 - slip)` of the distance.
     pub slip: f64,
     /// Probability per second that a wheel slips during a step.
-    #[cfg_attr(feature = "serde", serde(rename = "slip_rate_per_s"))]
     pub slip_rate: f64,
     /// Extra distance that a wheel rolls over a bump \[m\].
-    #[cfg_attr(feature = "serde", serde(rename = "bump_m"))]
     pub bump: f64,
     /// Bumps per metre driven and wheel \[1/m\].
     pub bumps_per_m: f64,

@@ -72,7 +72,7 @@ pub(crate) fn error(file: &str, message: &str) -> Error {
 }
 
 /// Keys of version 0.1 that are elsewhere now.
-const MOVED: [(&str, &str); 25] = [
+const MOVED: [(&str, &str); 26] = [
     ("gate_probability", "filter.robot.gate_probability"),
     ("integration", "filter.robot.integration"),
     ("horizon_s", "filter.robot.horizon"),
@@ -96,6 +96,7 @@ const MOVED: [(&str, &str); 25] = [
     ("position_sigma_m", "start_sigma.position (rail.position_sigma on a rail)"),
     ("heading_sigma_deg", "start_sigma.heading = \"6 deg\""),
     ("forward_m", "mounting = { x = .. }"),
+    ("slip_rate_per_s", "slip_rate"),
     ("left_m", "mounting = { y = .. }"),
     ("yaw_deg", "mounting = { theta = \"6 deg\" }"),
 ];
