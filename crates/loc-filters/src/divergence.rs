@@ -14,6 +14,10 @@
 //! assert_eq!((0..12).filter(|_| monitor.observe(false)).count(), 1);
 //! ```
 
+use crate::extended::{LinearizedMotion, MotionModel};
+use crate::localizer::Outcome;
+use nalgebra::{SMatrix, SVector};
+
 /// Number of last decisions that are watched.
 const WINDOW: u32 = 12;
 
@@ -41,8 +45,62 @@ impl DivergenceMonitor {
         has_diverged
     }
 
+    /// Counts the decisions of a measurement; whether the filter has diverged.
+    pub(crate) fn observe_all(&mut self, outcomes: &[Outcome]) -> bool {
+        let gated = outcomes.iter().filter(|outcome| outcome.nis.is_some());
+        gated.fold(false, |diverged, outcome| self.observe(outcome.accepted()) | diverged)
+    }
+
+    /// What a user should know: how often the filter had diverged, last at `stamp` \[s\].
+    pub(crate) fn notes(&self, stamp: f64) -> Vec<String> {
+        let times = match self.restarts {
+            0 => return Vec::new(),
+            1 => "once".to_owned(),
+            count => format!("{count} times"),
+        };
+        vec![format!(
+            "the filter had diverged {times}, last at {stamp:.1} s: its belief was widened until the \
+             measurements fitted again"
+        )]
+    }
+
     /// How often the filter had diverged.
     pub fn restarts(&self) -> u32 {
         self.restarts
+    }
+}
+
+/// No motion, and noise with these standard deviations of the states.
+pub(crate) struct Widening<const N: usize>(pub(crate) SVector<f64, N>);
+
+impl<const N: usize> Widening<N> {
+    /// Widens a position, which comes first of the states, by a gap \[m\] between measurements and
+    /// what was expected, and the heading, which is the third, by what such a gap may come from.
+    pub(crate) fn by(gap: f64) -> Self {
+        let position = gap.max(MIN_WIDENING);
+        let mut sigmas = SVector::<f64, N>::zeros();
+        (sigmas[0], sigmas[1]) = (position, position);
+        sigmas[2] = (position / HEADING_ARM).min(MAX_TURN);
+        Widening(sigmas)
+    }
+}
+
+/// A diverged belief is widened by at least this much \[m\].
+const MIN_WIDENING: f64 = 0.5;
+
+/// Distance at which a turn moves a landmark as far as the position is widened \[m\].
+const HEADING_ARM: f64 = 3.0;
+
+/// A diverged belief is widened by at most this much in its heading \[rad\].
+const MAX_TURN: f64 = 1.5;
+
+impl<const N: usize> MotionModel<N> for Widening<N> {
+    fn predict(&self, state: &SVector<f64, N>) -> SVector<f64, N> {
+        *state
+    }
+
+    fn linearize(&self, state: &SVector<f64, N>) -> LinearizedMotion<N> {
+        let noise = SMatrix::from_diagonal(&self.0.component_mul(&self.0));
+        LinearizedMotion { state: *state, jacobian: SMatrix::identity(), noise }
     }
 }

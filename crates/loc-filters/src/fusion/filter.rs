@@ -12,6 +12,7 @@ use super::state::{
 };
 use crate::RobotSettings;
 use crate::delayed::Sequential;
+use crate::divergence::{DivergenceMonitor, Widening};
 use crate::landmark::RangeBearingModel;
 use crate::localizer::{Decision, Estimate, Localizer, Outcome, SensorError, observed_position};
 use crate::smoother::{Recorded, Smoothable};
@@ -73,6 +74,9 @@ pub struct FusedLocalizer<F: NonlinearFilter<STATES> = ExtendedKalmanFilter<STAT
     pending_walk: RandomWalk,
     steps: u64,
     sensors: Sensors,
+    divergence: DivergenceMonitor,
+    /// When the filter had diverged last \[s\].
+    diverged_at: f64,
 }
 
 /// The sensors that have measured so far.
@@ -130,6 +134,8 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
             pending_walk: RandomWalk { speed: 0.0, turn: 0.0 },
             steps: 0,
             sensors: Sensors::default(),
+            divergence: DivergenceMonitor::default(),
+            diverged_at: stamp,
         })
     }
 
@@ -308,6 +314,16 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         Ok(outcome.with_landmark(id))
     }
 
+    /// Watches the decisions of the gate, and widens a diverged belief by the gap between the
+    /// measurements and what was expected \[m\].
+    fn watch(&mut self, outcomes: &[Outcome], gap: f64) -> Result<()> {
+        if self.divergence.observe_all(outcomes) {
+            self.diverged_at = self.stamp;
+            self.filter.predict(&Widening::by(gap))?;
+        }
+        Ok(())
+    }
+
     /// Begins an input: predicts to its time. Inputs from before the start belong to the start.
     fn begin(&mut self, stamp: f64) -> Result<f64> {
         let stamp = loc_core::error::finite("stamp [s]", stamp)?.max(self.stamp);
@@ -351,6 +367,13 @@ impl<F: NonlinearFilter<STATES>> Localizer for FusedLocalizer<F> {
                 for (outcome, observation) in outcomes.iter_mut().zip(observations) {
                     outcome.observed_at = observed_position(camera, observation);
                 }
+                let gaps =
+                    outcomes.iter().zip(observations).filter_map(|(outcome, observation)| {
+                        let landmark = self.map.get(observation.landmark)?.position.xy();
+                        Some(nalgebra::distance(&outcome.observed_at?, &landmark))
+                    });
+                let gap = gaps.fold(0.0, f64::max);
+                self.watch(&outcomes, gap)?;
                 outcomes
             }
             Measurement::Inertial(reading) => {
@@ -368,7 +391,10 @@ impl<F: NonlinearFilter<STATES>> Localizer for FusedLocalizer<F> {
                 let fix = Gaussian::new(fix.mean, fix.covariance)?;
                 self.begin(from)?;
                 self.sensors.satellites = true;
-                vec![self.position(&fix)?.with_place(Some(fix.mean.into()))]
+                let off = fix.mean - self.filter.belief().mean.xy();
+                let outcome = self.position(&fix)?.with_place(Some(fix.mean.into()));
+                self.watch(&[outcome], off.norm())?;
+                vec![outcome]
             }
             Measurement::Scan { .. } | Measurement::RailPosition { .. } => return Ok(Vec::new()),
         };
@@ -378,6 +404,10 @@ impl<F: NonlinearFilter<STATES>> Localizer for FusedLocalizer<F> {
 
     fn estimate(&self, stamp: f64) -> Result<Estimate> {
         Ok(self.belief_at(stamp)?.about_pose().into())
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.divergence.notes(self.diverged_at)
     }
 
     fn sensor_errors(&self, stamp: f64) -> Result<Vec<SensorError>> {

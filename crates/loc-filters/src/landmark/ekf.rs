@@ -1,5 +1,6 @@
 //! The landmark filter (H2), with its motion and measurement models and the outcome of an observation.
 
+use crate::divergence::Widening;
 use crate::extended::{LinearizedMotion, MeasurementModel, MotionModel};
 use crate::localizer::{Decision, Outcome};
 use crate::{
@@ -9,9 +10,7 @@ use loc_core::motion::{Integration, VelocityNoise};
 use loc_core::{Gaussian, Pose2, Twist2, angle};
 use loc_maps::LandmarkMap;
 use loc_sensors::landmark_camera::{LandmarkNoise, LandmarkObservation, Observed};
-use nalgebra::{
-    Matrix1, Matrix1x3, Matrix2, Matrix2x3, Matrix3, Point2, Vector1, Vector2, Vector3,
-};
+use nalgebra::{Matrix1, Matrix1x3, Matrix2, Matrix2x3, Point2, Vector1, Vector2, Vector3};
 
 /// A Kalman filter over (x, y, theta) \[m, m, rad\] with known landmarks: [`LandmarkEkf`] or
 /// [`LandmarkUkf`].
@@ -55,12 +54,9 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
         self.filter.predict(&VelocityMotion { twist, dt, integration, noise })
     }
 
-    /// Widens the belief by standard deviations of the position \[m\] and the heading \[rad\].
-    ///
-    /// # Errors
-    /// [`crate::Error::LostPositivity`] for a belief whose covariance is none any more.
-    pub fn widen(&mut self, position: f64, heading: f64) -> Result<()> {
-        self.filter.predict(&Widening(Vector3::new(position, position, heading)))
+    /// Widens the belief by a gap between observations and what was expected \[m\].
+    pub(super) fn widen_by(&mut self, gap: f64) -> Result<()> {
+        self.filter.predict(&Widening::by(gap))
     }
 
     /// The settings.
@@ -112,20 +108,6 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
             }
         };
         Ok(outcome.with_landmark(id))
-    }
-}
-
-/// No motion, and noise with these standard deviations.
-struct Widening(Vector3<f64>);
-
-impl MotionModel<3> for Widening {
-    fn predict(&self, state: &Vector3<f64>) -> Vector3<f64> {
-        *state
-    }
-
-    fn linearize(&self, state: &Vector3<f64>) -> LinearizedMotion<3> {
-        let noise = Matrix3::from_diagonal(&self.0.component_mul(&self.0));
-        LinearizedMotion { state: *state, jacobian: Matrix3::identity(), noise }
     }
 }
 

@@ -74,8 +74,7 @@ impl<F: NonlinearFilter<3>> LandmarkLocalizer<F> {
             let seen = observed_position(camera, observation);
             gap = gap.max(seen.map_or(0.0, |seen| nalgebra::distance(&seen, &at)));
         }
-        let position = gap.max(MIN_WIDENING);
-        self.filter.widen(position, (position / HEADING_ARM).min(MAX_WIDENING))
+        self.filter.widen_by(gap)
     }
 
     fn predict_to(&mut self, what: &'static str, stamp: f64) -> Result<()> {
@@ -124,25 +123,9 @@ impl<F: NonlinearFilter<3>> Localizer for LandmarkLocalizer<F> {
     }
 
     fn notes(&self) -> Vec<String> {
-        match self.divergence.restarts() {
-            0 => Vec::new(),
-            count => vec![format!(
-                "the filter had diverged {count} times, last at {:.1} s: its belief was widened \
-                 until the observations fitted again",
-                self.diverged_at
-            )],
-        }
+        self.divergence.notes(self.diverged_at)
     }
 }
-
-/// A diverged belief is widened by at least this much \[m\].
-const MIN_WIDENING: f64 = 0.5;
-
-/// Distance at which a turn moves a landmark as far as the position is widened \[m\].
-const HEADING_ARM: f64 = 3.0;
-
-/// A diverged belief is widened by at most this much in its heading \[rad\].
-const MAX_WIDENING: f64 = 1.5;
 
 impl<F: NonlinearFilter<3>> Sequential for LandmarkLocalizer<F> {
     fn uses(&self, measurement: &Measurement) -> bool {
