@@ -82,6 +82,9 @@ pub struct Mcl<M = MotionSettings, S = SensorSettings> {
     alternative: Option<Alternative>,
     /// The common offset between measured ranges and the walls of the map.
     offset: RangeOffsetEstimate,
+    /// The ranges that were used last, as one number, and how often they came again on the move.
+    last_ranges: Option<u64>,
+    frozen: u64,
 }
 
 /// What [`Mcl::update`] did.
@@ -171,6 +174,8 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
             monitor,
             alternative: None,
             offset: RangeOffsetEstimate::default(),
+            last_ranges: None,
+            frozen: 0,
         };
         mcl.start_anywhere();
         Ok(mcl)
@@ -246,8 +251,21 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         {
             return Ok(Update::StoodStill);
         }
+        // A scanner that repeats its last scan to the bit says nothing about where the robot is.
+        let ranges = fingerprint(scans);
+        let is_frozen = ranges.is_some() && ranges == self.last_ranges && self.has_moved(step);
+        self.last_ranges = ranges;
+        self.frozen += u64::from(is_frozen);
+        let scans = if is_frozen { &[] } else { scans };
         let workers = self.belief.filter.workers().clone();
         workers.within(|| self.process(scans)).map(Update::Done)
+    }
+
+    /// Whether a step is more than jitter.
+    fn has_moved(&self, step: Pose2) -> bool {
+        let MclSettings { update_distance, update_turn, .. } = self.settings;
+        f64::hypot(step.x, step.y) > update_distance.min(MIN_MOVE)
+            || step.theta.abs() > update_turn.min(MIN_MOVE)
     }
 
     /// Updates with scans although the robot may not have moved since the last update.
@@ -480,18 +498,36 @@ impl<M: MotionModel, S: ScanModel> Localizer for Mcl<M, S> {
     }
 
     fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.frozen > 0 {
+            notes.push(format!(
+                "{} scans were equal to the one before while the robot moved and were not used",
+                self.frozen
+            ));
+        }
         let estimate = self.range_offset_estimate();
         let (Some(offset), Some(sigma)) = (estimate.offset(), estimate.sigma()) else {
-            return Vec::new();
+            return notes;
         };
         let scans = estimate.scans();
         let by = format!("{offset:+.3} m, sigma {sigma:.3} m, by {scans} scans");
-        let is_used = self.range_offset().abs() > 0.0;
-        is_used
-            .then(|| format!("ranges changed to fit the map's walls by {by}"))
-            .into_iter()
-            .collect()
+        if self.range_offset().abs() > 0.0 {
+            notes.push(format!("ranges changed to fit the map's walls by {by}"));
+        }
+        notes
     }
+}
+
+/// A robot has moved if its odometry says at least this much \[m, rad\].
+const MIN_MOVE: f64 = 0.05;
+
+/// The valid ranges of all scans as one number; `None` without any.
+fn fingerprint(scans: &[MountedScan<'_>]) -> Option<u64> {
+    let valid = |mounted: &&MountedScan<'_>| mounted.scan.ranges.iter().any(|r| r.is_finite());
+    scans.iter().find(valid)?;
+    let ranges = scans.iter().flat_map(|mounted| &mounted.scan.ranges);
+    let mix = |hash: u64, range: &f64| (hash ^ range.to_bits()).wrapping_mul(0x0100_0000_01b3);
+    Some(ranges.fold(0xcbf2_9ce4_8422_2325, mix))
 }
 
 /// Scans are used for the range offset while the probability of being lost is below this.

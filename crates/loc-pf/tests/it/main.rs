@@ -13,6 +13,7 @@ mod clusters;
 mod delay;
 mod endurance;
 mod fastslam;
+mod frozen;
 mod initial;
 mod landmark;
 mod landmark_mcl;
