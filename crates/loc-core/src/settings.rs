@@ -219,7 +219,7 @@ mod text {
 
     /// An angle \[rad\] as a short number of degrees, where that is exact.
     fn degrees(angle: f64) -> Option<String> {
-        let degrees = angle.to_degrees();
+        let degrees = Some(angle.to_degrees()).filter(|degrees| degrees.is_finite())?;
         let texts = (0..=4).map(|digits| format!("{degrees:.digits$}"));
         texts.into_iter().find(|text| {
             text.parse().is_ok_and(|d: f64| d.to_radians().to_bits() == angle.to_bits())

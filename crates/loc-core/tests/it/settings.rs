@@ -32,6 +32,9 @@ fn angles_are_numbers_or_texts() {
     ] {
         assert_eq!(read(text).unwrap().turn, turn, "{text}");
     }
+    let nan = Angles { turn: f64::NAN, rate: Some(f64::INFINITY), mounting: Pose2::IDENTITY };
+    let text = toml::to_string(&nan).unwrap();
+    assert!(read(&text).unwrap().turn.is_nan() && text.contains("rate = inf"), "{text}");
     assert_eq!(read("rate = '180 deg/s'").unwrap().rate, Some(PI));
     assert_eq!(read("turn = 0").unwrap().rate, None);
     let posed = read("mounting = { x = 0.5, theta = '90 deg' }").unwrap().mounting;

@@ -149,7 +149,7 @@ pub const IDS: [Shown; 66] = [
     shown("M6", "beam model", "beam-model", "map.svg"),
     shown("M7", "likelihood field as measurement", "probability-map", "probability.svg"),
     shown("M8", "roulette wheel", "diversity", "diversity.svg"),
-    shown("M9", "spoke wheel", "diversity", "diversity.svg"),
+    shown("M9", "low-variance resampling (spoke wheel)", "diversity", "diversity.svg"),
     shown("M10", "robot soccer", "aibo-soccer", "resampling.svg"),
     shown("M11", "diversity", "diversity", "diversity.svg"),
     shown("M12", "probability map of a scan", "probability-map", "probability.svg"),
