@@ -2,7 +2,7 @@
 //!
 //! A gate keeps outliers out. A filter that has gone wrong by more than its covariance says takes
 //! the right measurements for outliers, rejects all of them and stays wrong, as confident as
-//! before. [`DivergenceMonitor`] watches the decisions of the gate: where most of the last ones are
+//! before. [`DivergenceMonitor`] counts the decisions of the gate: where the majority of the last ones are
 //! rejections, which a consistent filter has once in many years, the belief is widened so far that the
 //! rejected measurements fit, and they lead it back.
 //!
@@ -15,10 +15,13 @@
 //! ```
 
 use crate::extended::{LinearizedMotion, MotionModel};
-use crate::localizer::Outcome;
+use crate::localizer::{Outcome, observed_position};
+use loc_core::Pose2;
+use loc_maps::LandmarkMap;
+use loc_sensors::landmark_camera::LandmarkObservation;
 use nalgebra::{SMatrix, SVector};
 
-/// Number of last decisions that are watched.
+/// Number of last decisions that are counted.
 const WINDOW: u32 = 12;
 
 /// Number of rejections among them from which on the filter has diverged.
@@ -68,6 +71,16 @@ impl DivergenceMonitor {
     pub fn restarts(&self) -> u32 {
         self.restarts
     }
+}
+
+/// How far landmarks are from where they are seen, at the largest \[m\]; 0 without a distance and a
+/// direction.
+pub(crate) fn gap(map: &LandmarkMap, camera: Pose2, observations: &[LandmarkObservation]) -> f64 {
+    let gaps = observations.iter().filter_map(|observation| {
+        let landmark = map.get(observation.landmark)?.position.xy();
+        Some(nalgebra::distance(&observed_position(camera, observation)?, &landmark))
+    });
+    gaps.fold(0.0, f64::max)
 }
 
 /// No motion, and noise with these standard deviations of the states.

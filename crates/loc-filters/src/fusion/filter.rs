@@ -12,7 +12,7 @@ use super::state::{
 };
 use crate::RobotSettings;
 use crate::delayed::Sequential;
-use crate::divergence::{DivergenceMonitor, Widening};
+use crate::divergence::{DivergenceMonitor, Widening, gap};
 use crate::landmark::RangeBearingModel;
 use crate::localizer::{Decision, Estimate, Localizer, Outcome, SensorError, observed_position};
 use crate::smoother::{Recorded, Smoothable};
@@ -314,9 +314,9 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         Ok(outcome.with_landmark(id))
     }
 
-    /// Watches the decisions of the gate, and widens a diverged belief by the gap between the
+    /// Counts the decisions of the gate, and widens a diverged belief by the gap between the
     /// measurements and what was expected \[m\].
-    fn watch(&mut self, outcomes: &[Outcome], gap: f64) -> Result<()> {
+    fn count(&mut self, outcomes: &[Outcome], gap: f64) -> Result<()> {
         if self.divergence.observe_all(outcomes) {
             self.diverged_at = self.stamp;
             self.filter.predict(&Widening::by(gap))?;
@@ -367,13 +367,8 @@ impl<F: NonlinearFilter<STATES>> Localizer for FusedLocalizer<F> {
                 for (outcome, observation) in outcomes.iter_mut().zip(observations) {
                     outcome.observed_at = observed_position(camera, observation);
                 }
-                let gaps =
-                    outcomes.iter().zip(observations).filter_map(|(outcome, observation)| {
-                        let landmark = self.map.get(observation.landmark)?.position.xy();
-                        Some(nalgebra::distance(&outcome.observed_at?, &landmark))
-                    });
-                let gap = gaps.fold(0.0, f64::max);
-                self.watch(&outcomes, gap)?;
+                let gap = gap(&self.map, camera, observations);
+                self.count(&outcomes, gap)?;
                 outcomes
             }
             Measurement::Inertial(reading) => {
@@ -393,7 +388,7 @@ impl<F: NonlinearFilter<STATES>> Localizer for FusedLocalizer<F> {
                 self.sensors.satellites = true;
                 let off = fix.mean - self.filter.belief().mean.xy();
                 let outcome = self.position(&fix)?.with_place(Some(fix.mean.into()));
-                self.watch(&[outcome], off.norm())?;
+                self.count(&[outcome], off.norm())?;
                 vec![outcome]
             }
             Measurement::Scan { .. } | Measurement::RailPosition { .. } => return Ok(Vec::new()),

@@ -2,14 +2,13 @@
 
 use super::LandmarkFilter;
 use crate::delayed::{Clock, Sequential};
-use crate::divergence::DivergenceMonitor;
+use crate::divergence::{DivergenceMonitor, gap};
 use crate::localizer::{Estimate, Localizer, Outcome, observed_position};
 use crate::smoother::{Recorded, Smoothable};
 use crate::{ExtendedKalmanFilter, NonlinearFilter, Result, RobotSettings};
 use loc_core::{Gaussian, Twist2};
 use loc_maps::LandmarkMap;
 use loc_sensors::event::{Control, Measurement, Payload};
-use loc_sensors::landmark_camera::LandmarkObservation;
 use std::sync::Arc;
 
 /// Landmark localization over time-stamped inputs in order; [`Delayed`](crate::delayed::Delayed)
@@ -63,20 +62,6 @@ impl<F: NonlinearFilter<3>> LandmarkLocalizer<F> {
         Ok(LandmarkLocalizer { filter, map, clock, twist, divergence, diverged_at: stamp })
     }
 
-    /// Widens the belief until these observations fit: by how far the landmarks are from where they
-    /// are seen.
-    fn widen_by(&mut self, observations: &[LandmarkObservation]) -> Result<()> {
-        let camera = self.filter.belief().pose() * self.filter.settings().mounting;
-        let mut gap = 0.0_f64;
-        for observation in observations {
-            let Some(landmark) = self.map.get(observation.landmark) else { continue };
-            let at = landmark.position.xy();
-            let seen = observed_position(camera, observation);
-            gap = gap.max(seen.map_or(0.0, |seen| nalgebra::distance(&seen, &at)));
-        }
-        self.filter.widen_by(gap)
-    }
-
     fn predict_to(&mut self, what: &'static str, stamp: f64) -> Result<()> {
         let dt = self.clock.advance(what, stamp)?;
         self.filter.predict(self.twist, dt)
@@ -105,7 +90,8 @@ impl<F: NonlinearFilter<3>> Localizer for LandmarkLocalizer<F> {
             outcomes.push(outcome);
             if is_gated && self.divergence.observe(outcome.accepted()) {
                 self.diverged_at = stamp;
-                self.widen_by(observations)?;
+                let camera = self.filter.belief().pose() * self.filter.settings().mounting;
+                self.filter.widen_by(gap(&self.map, camera, observations))?;
             }
         }
         let camera = self.filter.belief().pose() * self.filter.settings().mounting;

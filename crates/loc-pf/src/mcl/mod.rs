@@ -9,7 +9,7 @@
 //! The files: this one has the filter, its update and its saved state; `belief` the particles with
 //! prediction, correction and resampling; `scan` the scans and the map prepared for the sensor
 //! model; `recovery` the search for the robot elsewhere; `range_offset` the estimate of a common
-//! range offset; `models` the interface of a motion and a sensor model; `settings` all settings.
+//! range offset; `models` the interface of a motion and a sensor model; `settings` all settings; `state` what is kept over a restart.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -35,6 +35,7 @@ mod range_offset;
 mod recovery;
 mod scan;
 mod settings;
+mod state;
 
 pub use models::{ModelStep, MotionModel, ScanModel, ScanView};
 pub use range_offset::{RangeOffset, RangeOffsetEstimate};
@@ -43,6 +44,7 @@ pub use settings::{
     FieldSettings, MclSettings, MotionSettings, NoveltyFilter, RecoverySettings, SensorSettings,
     Weighting,
 };
+pub use state::MclState;
 
 use crate::confidence::{LostMonitor, ScanRater};
 use crate::estimate::Clusterer;
@@ -107,25 +109,6 @@ pub struct UpdateReport {
     pub effective_sample_size: f64,
     /// Whether the map was searched for the scan.
     pub searched: bool,
-}
-
-/// The state of an [`Mcl`], to be kept over a restart of the robot: particles, random generator,
-/// averages, and the path since the last update. Map and settings are not part of it.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MclState {
-    particles: Particles,
-    rng: ChaCha8Rng,
-    path: Option<DrivenPath>,
-    start: Option<Gaussian<3>>,
-    has_seen: bool,
-    is_anywhere: bool,
-    updates_since_resampling: usize,
-    suspicion: Option<Suspicion>,
-    augmented: Option<AugmentedMcl>,
-    monitor: LostMonitor,
-    alternative: Option<Alternative>,
-    offset: RangeOffsetEstimate,
 }
 
 impl Mcl {
@@ -412,50 +395,6 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
     /// [`crate::confidence`].
     pub fn lost(&self) -> f64 {
         self.monitor.probability()
-    }
-
-    /// The state of the filter; [`restore`](Mcl::restore) continues from it, to the bit.
-    pub fn state(&self) -> MclState {
-        let belief = &self.belief;
-        MclState {
-            particles: belief.filter.particles().clone(),
-            rng: belief.filter.rng().clone(),
-            path: self.path,
-            start: self.start,
-            has_seen: belief.has_seen,
-            is_anywhere: belief.is_anywhere,
-            updates_since_resampling: belief.updates_since_resampling,
-            suspicion: belief.suspicion,
-            augmented: belief.augmented,
-            monitor: self.monitor,
-            alternative: self.alternative.clone(),
-            offset: self.offset,
-        }
-    }
-
-    /// Continues from the state of another filter with the same map and settings.
-    ///
-    /// # Errors
-    /// [`loc_core::Error::Length`] for a state without particles, and
-    /// [`loc_core::Error::OutOfRange`] for one with poses that are not finite.
-    pub fn restore(&mut self, state: MclState) -> Result<()> {
-        state.particles.check()?;
-        if state.particles.is_empty() {
-            let (what, expected) = ("particles of a saved state", "at least 1");
-            return Err(Error::Core(loc_core::Error::Length { what, expected, found: 0 }));
-        }
-        let belief = &mut self.belief;
-        *belief.filter.particles_mut() = state.particles;
-        *belief.filter.rng_mut() = state.rng;
-        (self.path, self.start) = (state.path, state.start);
-        belief.has_seen = state.has_seen;
-        belief.is_anywhere = state.is_anywhere;
-        belief.updates_since_resampling = state.updates_since_resampling;
-        (belief.suspicion, belief.augmented) = (state.suspicion, state.augmented);
-        self.monitor = state.monitor;
-        (self.alternative, self.offset) = (state.alternative, state.offset);
-        self.estimate = self.clusterer.estimate(belief.filter.particles());
-        Ok(())
     }
 }
 
