@@ -23,7 +23,7 @@ fn see(pose: Pose2, id: u32) -> LandmarkObservation {
     let bearing = loc_core::angle::wrap(dy.atan2(dx) - pose.theta);
     LandmarkObservation {
         landmark: id,
-        sight: Observed::RangeBearing { range: dx.hypot(dy), bearing },
+        observed: Observed::RangeBearing { range: dx.hypot(dy), bearing },
     }
 }
 
@@ -50,7 +50,7 @@ fn observations(slam: &EkfSlam, count: u32) -> Vec<LandmarkObservation> {
             let bearing = loc_core::angle::wrap(dy.atan2(dx) - pose.theta);
             LandmarkObservation {
                 landmark: id,
-                sight: Observed::RangeBearing { range: dx.hypot(dy), bearing },
+                observed: Observed::RangeBearing { range: dx.hypot(dy), bearing },
             }
         })
         .collect()

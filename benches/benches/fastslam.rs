@@ -13,7 +13,7 @@ use std::hint::black_box;
 fn see(landmark: u32) -> LandmarkObservation {
     let (range, bearing) = (2.0 + 0.01 * f64::from(landmark), f64::from(landmark % 628) * 0.01);
     let bearing = loc_core::angle::wrap(bearing);
-    LandmarkObservation { landmark, sight: Observed::RangeBearing { range, bearing } }
+    LandmarkObservation { landmark, observed: Observed::RangeBearing { range, bearing } }
 }
 
 fn steps(c: &mut Criterion) {

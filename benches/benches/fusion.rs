@@ -43,7 +43,8 @@ fn second<F: NonlinearFilter<STATES>>(robot: &mut Delayed<FusedLocalizer<F>>, st
         let x = SPEED * stamp;
         if k % 20 == 8 {
             let range = (BEACON.0 - x).hypot(BEACON.1);
-            let observation = LandmarkObservation { landmark: 1, sight: Observed::Range { range } };
+            let observation =
+                LandmarkObservation { landmark: 1, observed: Observed::Range { range } };
             robot.observations(stamp, &[black_box(observation)]).expect("in order");
         }
         if k == 50 {

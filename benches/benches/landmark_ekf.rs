@@ -25,8 +25,8 @@ fn world() -> (LandmarkMap, Vec<LandmarkObservation>) {
     let map = LandmarkMap::new(landmarks).expect("valid");
     let see = |landmark: &Landmark| {
         let (x, y) = (landmark.position.x, landmark.position.y);
-        let sight = Observed::RangeBearing { range: x.hypot(y), bearing: y.atan2(x) };
-        LandmarkObservation { landmark: landmark.id, sight }
+        let observed = Observed::RangeBearing { range: x.hypot(y), bearing: y.atan2(x) };
+        LandmarkObservation { landmark: landmark.id, observed }
     };
     let observations = map.iter().map(see).collect();
     (map, observations)
@@ -50,7 +50,7 @@ fn bare(
     let mut p = g * belief.covariance * g.transpose() + v * u * v.transpose();
     let q = Matrix2::new(q_r, 0.0, 0.0, q_phi);
     for observation in observations {
-        let Observed::RangeBearing { range, bearing } = observation.sight else { continue };
+        let Observed::RangeBearing { range, bearing } = observation.observed else { continue };
         let Some(landmark) = map.get(observation.landmark) else { continue };
         let (dx, dy) = (landmark.position.x - x.x, landmark.position.y - x.y);
         let r = dx.hypot(dy);

@@ -38,8 +38,8 @@ fn observations(map: &LandmarkMap, heading: f64) -> Vec<LandmarkObservation> {
     let see = |landmark: &Landmark| {
         let (x, y) = (landmark.position.x, landmark.position.y);
         let bearing = angle::wrap(y.atan2(x) - heading);
-        let sight = Observed::RangeBearing { range: x.hypot(y), bearing };
-        LandmarkObservation { landmark: landmark.id, sight }
+        let observed = Observed::RangeBearing { range: x.hypot(y), bearing };
+        LandmarkObservation { landmark: landmark.id, observed }
     };
     map.iter().map(see).collect()
 }

@@ -16,7 +16,7 @@
 //! let start = pose_belief(Pose2::IDENTITY, [0.3, 0.3, 0.1]);
 //! let mut robot = LandmarkLocalizer::new(map, RobotSettings::default(), 0.0, start)?;
 //! robot.predict(0.0, &Control::Velocity(Twist2::forward(1.0, 0.0)))?;
-//! let seen = LandmarkObservation { landmark: 7, sight: Observed::RangeBearing { range: 2.0, bearing: 0.0 } };
+//! let seen = LandmarkObservation { landmark: 7, observed: Observed::RangeBearing { range: 2.0, bearing: 0.0 } };
 //! let outcomes = robot.correct(1.0, &Measurement::Landmarks(vec![seen]))?;
 //! assert!(outcomes[0].accepted());
 //! assert!((robot.estimate(1.0)?.pose.x - 1.0).abs() < 0.1);
@@ -186,7 +186,7 @@ pub struct Outcome {
 /// Where an observation puts its landmark, from a camera's pose in the map \[m\]; `None` without a
 /// range and a bearing.
 pub fn observed_position(camera: Pose2, observation: &LandmarkObservation) -> Option<Point2<f64>> {
-    let Observed::RangeBearing { range, bearing } = observation.sight else { return None };
+    let Observed::RangeBearing { range, bearing } = observation.observed else { return None };
     let (sin, cos) = bearing.sin_cos();
     Some(camera.transform(&Point2::new(range * cos, range * sin)))
 }

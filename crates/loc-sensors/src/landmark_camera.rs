@@ -12,7 +12,7 @@
 //! let camera = LandmarkCamera { noise: LandmarkNoise::NONE, ..LandmarkCamera::default() };
 //! let world = Landmarks::from([(5, [3.0, 4.0])]);
 //! let seen = camera.observe(&world, Pose2::IDENTITY, &mut stream(1, "camera"));
-//! assert!(matches!(seen[0].sight, Observed::RangeBearing { range, .. } if range == 5.0));
+//! assert!(matches!(seen[0].observed, Observed::RangeBearing { range, .. } if range == 5.0));
 //! ```
 
 use crate::Result;
@@ -30,7 +30,7 @@ pub struct LandmarkObservation {
     /// Number (identity) of the landmark; it may be wrong.
     pub landmark: u32,
     /// Where it was seen.
-    pub sight: Observed,
+    pub observed: Observed,
 }
 
 /// Where a landmark was seen from the camera.
@@ -301,8 +301,10 @@ impl LandmarkCamera {
             };
             if rng.random::<f64>() < self.detection_probability {
                 let landmark = self.identity(*id, &in_reach, rng);
-                observations
-                    .push(LandmarkObservation { landmark, sight: self.blur(range, bearing, rng) });
+                observations.push(LandmarkObservation {
+                    landmark,
+                    observed: self.blur(range, bearing, rng),
+                });
             }
         }
         observations

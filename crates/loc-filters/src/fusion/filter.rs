@@ -290,14 +290,14 @@ impl<F: NonlinearFilter<STATES>> FusedLocalizer<F> {
         };
         let RobotSettings { mounting, camera: noise, .. } = self.settings.robot;
         let landmark = landmark.position.xy();
-        let sight = RangeBearingModel { landmark, mounting, noise };
+        let model = RangeBearingModel { landmark, mounting, noise };
         let model = if F::SECOND_ORDER {
-            ObservationModel::straight(sight)
+            ObservationModel::straight(model)
         } else {
-            ObservationModel::new(sight, self.filter.belief())
+            ObservationModel::new(model, self.filter.belief())
         };
         let (filter, gate) = (&mut self.filter, &self.gate);
-        let outcome = match observation.sight {
+        let outcome = match observation.observed {
             Observed::RangeBearing { range, bearing } => {
                 let z = Vector2::new(range, bearing);
                 Outcome::of_innovation(&filter.correct(&model, &z, gate)?)
@@ -356,7 +356,7 @@ impl<F: NonlinearFilter<STATES>> Localizer for FusedLocalizer<F> {
         let outcomes = match measurement {
             Measurement::Landmarks(observations) => {
                 for observation in observations {
-                    observation.sight.check()?;
+                    observation.observed.check()?;
                 }
                 self.begin(from)?;
                 self.sensors.landmarks = true;

@@ -148,25 +148,25 @@ impl MeasurementModel<STATES, 2> for PositionModel {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservationModel {
     /// The landmark as it would be seen without a bias.
-    pub sight: RangeBearingModel,
+    pub model: RangeBearingModel,
     /// Variance of the position across the line of sight, by the distance, `w / r` \[m\].
     pub bend: f64,
 }
 
 impl ObservationModel {
     /// The model for a belief.
-    pub fn new(sight: RangeBearingModel, belief: &Gaussian<STATES>) -> Self {
-        let view = sight.predict(&pose(&belief.mean));
-        let direction = view.y + sight.mounting.theta + belief.mean[THETA];
+    pub fn new(model: RangeBearingModel, belief: &Gaussian<STATES>) -> Self {
+        let view = model.predict(&pose(&belief.mean));
+        let direction = view.y + model.mounting.theta + belief.mean[THETA];
         let across = Vector2::new(-direction.sin(), direction.cos());
         let position = belief.covariance.fixed_view::<2, 2>(0, 0);
         let variance = across.dot(&(position * across));
-        ObservationModel { sight, bend: variance / view.x.max(variance.sqrt()).max(NEAREST) }
+        ObservationModel { model, bend: variance / view.x.max(variance.sqrt()).max(NEAREST) }
     }
 
     /// The model for a filter that sees the bend of a circle itself.
-    pub fn straight(sight: RangeBearingModel) -> Self {
-        ObservationModel { sight, bend: 0.0 }
+    pub fn straight(model: RangeBearingModel) -> Self {
+        ObservationModel { model, bend: 0.0 }
     }
 
     /// Variance of the distance that the bend adds \[m^2\].
@@ -175,7 +175,7 @@ impl ObservationModel {
     }
 
     fn whole(&self, state: &State) -> (Vector2<f64>, Rows) {
-        let (true_observation, by_pose): (_, Matrix2x3<f64>) = self.sight.linearize(&pose(state));
+        let (true_observation, by_pose): (_, Matrix2x3<f64>) = self.model.linearize(&pose(state));
         let mut h = Rows::zeros();
         h.fixed_view_mut::<2, 3>(0, 0).copy_from(&by_pose);
         for column in 0..3 {
@@ -203,13 +203,13 @@ impl MeasurementModel<STATES, 2> for ObservationModel {
     }
 
     fn noise(&self, expected: &Vector2<f64>) -> Matrix2<f64> {
-        let mut noise = self.sight.noise(expected);
+        let mut noise = self.model.noise(expected);
         noise[(0, 0)] += self.scatter();
         noise
     }
 
     fn residual(&self, z: &Vector2<f64>, expected: &Vector2<f64>) -> Vector2<f64> {
-        self.sight.residual(z, expected)
+        self.model.residual(z, expected)
     }
 }
 
@@ -227,7 +227,7 @@ impl MeasurementModel<STATES, 1> for DistanceModel {
     }
 
     fn noise(&self, expected: &Vector1<f64>) -> Matrix1<f64> {
-        let sigma = self.0.sight.noise.range_sigma_at(expected.x);
+        let sigma = self.0.model.noise.range_sigma_at(expected.x);
         Matrix1::new(sigma * sigma + self.0.scatter())
     }
 }
@@ -246,7 +246,7 @@ impl MeasurementModel<STATES, 1> for DirectionModel {
     }
 
     fn noise(&self, _expected: &Vector1<f64>) -> Matrix1<f64> {
-        Matrix1::new(self.0.sight.noise.bearing_sigma.powi(2))
+        Matrix1::new(self.0.model.noise.bearing_sigma.powi(2))
     }
 
     fn residual(&self, z: &Vector1<f64>, expected: &Vector1<f64>) -> Vector1<f64> {

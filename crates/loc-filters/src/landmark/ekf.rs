@@ -84,7 +84,7 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
         map: &LandmarkMap,
         observation: &LandmarkObservation,
     ) -> Result<Outcome> {
-        let sight = observation.sight.check()?;
+        let observed = observation.observed.check()?;
         let id = observation.landmark;
         let Some(landmark) = map.get(id) else {
             return Ok(Outcome::of(Decision::UnknownLandmark).with_landmark(id));
@@ -93,7 +93,7 @@ impl<F: NonlinearFilter<3>> LandmarkFilter<F> {
         let landmark = landmark.position.xy();
         let model = RangeBearingModel { landmark, mounting, noise };
         let (filter, gate) = (&mut self.filter, &self.gate);
-        let outcome = match sight {
+        let outcome = match observed {
             Observed::RangeBearing { range, bearing } => {
                 let z = Vector2::new(range, bearing);
                 Outcome::of_innovation(&filter.correct(&model, &z, gate)?)

@@ -80,7 +80,7 @@ impl<F: NonlinearFilter<3>> Localizer for LandmarkLocalizer<F> {
     fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Outcome>> {
         let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
         for observation in observations {
-            observation.sight.check()?;
+            observation.observed.check()?;
         }
         self.predict_to("observations", stamp)?;
         let mut outcomes = Vec::with_capacity(observations.len());

@@ -14,7 +14,7 @@
 //! let map = LandmarkMap::new([Landmark::planar(1, 4.0, 0.0)])?;
 //! let start = pose_belief(Pose2::IDENTITY, [0.5, 0.5, 0.1]);
 //! let mut ekf = LandmarkEkf::new(start, RobotSettings::default())?;
-//! let observation = LandmarkObservation { landmark: 1, sight: Observed::Range { range: 3.5 } };
+//! let observation = LandmarkObservation { landmark: 1, observed: Observed::Range { range: 3.5 } };
 //! let outcome = ekf.correct(&map, &observation)?;
 //! assert!(outcome.accepted() && ekf.belief().mean.x > 0.4);
 //! # Ok::<(), loc_filters::Error>(())

@@ -241,7 +241,7 @@ impl LinearSlamLocalizer {
 
     /// The landmark from the robot's centre; `None` without a range and a bearing.
     fn relative(&self, observation: &LandmarkObservation) -> Option<RelativeObservation> {
-        let Observed::RangeBearing { range, bearing } = observation.sight else { return None };
+        let Observed::RangeBearing { range, bearing } = observation.observed else { return None };
         let direction = bearing + self.robot.mounting.theta;
         let along = Vector2::new(direction.cos(), direction.sin());
         let offset = Vector2::new(self.robot.mounting.x, self.robot.mounting.y) + range * along;

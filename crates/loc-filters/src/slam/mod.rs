@@ -16,7 +16,7 @@
 //!
 //! let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
 //! let mut slam = EkfSlam::new(start, SlamSettings::default())?;
-//! let see = |range| LandmarkObservation { landmark: 7, sight: Observed::RangeBearing { range, bearing: 0.0 } };
+//! let see = |range| LandmarkObservation { landmark: 7, observed: Observed::RangeBearing { range, bearing: 0.0 } };
 //! slam.correct(&[see(4.0)])?;
 //! slam.predict(Twist2::forward(1.0, 0.0), 1.0)?;
 //! slam.correct(&[see(2.9)])?;
@@ -80,7 +80,7 @@ impl Localizer for SlamLocalizer {
     fn correct(&mut self, stamp: f64, measurement: &Measurement) -> Result<Vec<Outcome>> {
         let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
         for observation in observations {
-            observation.sight.check()?;
+            observation.observed.check()?;
         }
         let dt = self.clock.advance("observations", stamp)?;
         self.slam.predict(self.twist, dt)?;

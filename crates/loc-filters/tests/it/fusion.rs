@@ -78,13 +78,13 @@ fn jacobians_are_those_of_finite_differences() {
     assert_jacobian("compass", &CompassModel { variance: 0.1 });
     let antenna = Point2::new(0.3, -0.2);
     assert_jacobian("satellites", &PositionModel { antenna, noise: Matrix2::identity() });
-    let sight = RangeBearingModel {
+    let model = RangeBearingModel {
         landmark: Point2::new(4.0, 3.0),
         mounting: Pose2::new(0.2, 0.1, 0.3),
         noise: LandmarkNoise::default(),
     };
-    let model = ObservationModel { sight, bend: 0.07 };
-    assert_jacobian("sight", &model);
+    let model = ObservationModel { model, bend: 0.07 };
+    assert_jacobian("observed", &model);
     assert_jacobian("distance", &DistanceModel(model));
     assert_jacobian("direction", &DirectionModel(model));
 }
@@ -92,7 +92,7 @@ fn jacobians_are_those_of_finite_differences() {
 /// The bend of a circle, against the moments of many positions.
 #[test]
 fn a_distance_bends_as_its_positions_say() {
-    let sight = RangeBearingModel {
+    let model = RangeBearingModel {
         landmark: Point2::new(6.0, 0.0),
         mounting: Pose2::IDENTITY,
         noise: LandmarkNoise::default(),
@@ -100,7 +100,7 @@ fn a_distance_bends_as_its_positions_say() {
     let mut belief = Gaussian { mean: State::zeros(), covariance: Default::default() };
     belief.mean[RANGE_SCALE] = 1.0;
     belief.covariance[(1, 1)] = 0.8_f64.powi(2);
-    let model = ObservationModel::new(sight, &belief);
+    let model = ObservationModel::new(model, &belief);
     let mut rng = stream(3, "positions");
     let (mut sum, mut squares, count) = (0.0, 0.0, 200_000.0);
     for _ in 0..200_000 {
@@ -243,7 +243,10 @@ impl Drive {
                 .map(|landmark| {
                     let true_range = (landmark.position.xy() - self.truth.position()).norm();
                     let range = (1.0 + self.biases[2]) * true_range + self.biases[3] + draw(0.2);
-                    LandmarkObservation { landmark: landmark.id, sight: Observed::Range { range } }
+                    LandmarkObservation {
+                        landmark: landmark.id,
+                        observed: Observed::Range { range },
+                    }
                 })
                 .collect();
             robot.observations(stamp, &observations).unwrap();
@@ -389,9 +392,9 @@ fn the_order_of_one_moment_and_late_inputs_do_not_matter() {
             robot.correct(stamp, &Measurement::Position(at)).map(|_| ()).unwrap();
         }
         _ => {
-            let sight = Observed::Range { range: 21.0 };
+            let observed = Observed::Range { range: 21.0 };
             robot
-                .observations(stamp, &[LandmarkObservation { landmark: 1, sight }])
+                .observations(stamp, &[LandmarkObservation { landmark: 1, observed }])
                 .map(|_| ())
                 .unwrap();
         }
@@ -445,8 +448,8 @@ fn bad_input_is_refused_and_leaves_the_filter_as_it_was() {
         );
         let fix = Gaussian { mean: Vector2::new(value, 0.0), covariance: Matrix2::identity() };
         assert!(robot.correct(0.5, &Measurement::Position(fix)).is_err());
-        let sight = Observed::Range { range: value };
-        assert!(robot.observations(0.5, &[LandmarkObservation { landmark: 1, sight }]).is_err());
+        let observed = Observed::Range { range: value };
+        assert!(robot.observations(0.5, &[LandmarkObservation { landmark: 1, observed }]).is_err());
         assert!(belief_of(&robot, value).is_err());
     }
     let negative = Gaussian { mean: Vector2::zeros(), covariance: -Matrix2::identity() };
@@ -455,13 +458,14 @@ fn bad_input_is_refused_and_leaves_the_filter_as_it_was() {
         robot
             .observations(
                 0.5,
-                &[LandmarkObservation { landmark: 1, sight: Observed::Range { range: -1.0 } }]
+                &[LandmarkObservation { landmark: 1, observed: Observed::Range { range: -1.0 } }]
             )
             .is_err()
     );
     assert_eq!(belief_of(&robot, 1.0).unwrap(), before);
     // A landmark that the map does not have, none at all, and one that cannot be so far away.
-    let seen = |landmark, range| LandmarkObservation { landmark, sight: Observed::Range { range } };
+    let seen =
+        |landmark, range| LandmarkObservation { landmark, observed: Observed::Range { range } };
     let outcomes = robot.observations(0.5, &[seen(99, 3.0), seen(1, 500.0)]).unwrap();
     assert!(!outcomes[0].accepted() && outcomes[0].nis.is_none());
     assert!(!outcomes[1].accepted() && outcomes[1].nis.unwrap() > 10.0);

@@ -24,7 +24,7 @@ fn map() -> LandmarkMap {
 }
 
 fn see(landmark: u32, range: f64, bearing: f64) -> LandmarkObservation {
-    LandmarkObservation { landmark, sight: Observed::RangeBearing { range, bearing } }
+    LandmarkObservation { landmark, observed: Observed::RangeBearing { range, bearing } }
 }
 
 /// One landmark through the whole filter, against the formulas of H1 and H2 on plain matrices.
@@ -88,12 +88,12 @@ fn unknown_landmarks_and_outliers_change_nothing() {
     let wrong_number = ekf.correct(&map(), &see(2, 4.0, 0.0)).unwrap();
     assert!(!wrong_number.accepted() && wrong_number.nis.unwrap() > 100.0);
     assert_eq!(*ekf.belief(), start);
-    for sight in [
+    for observed in [
         Observed::RangeBearing { range: -1.0, bearing: 0.0 },
         Observed::RangeBearing { range: 1.0, bearing: f64::NAN },
         Observed::Range { range: f64::INFINITY },
     ] {
-        assert!(ekf.correct(&map(), &LandmarkObservation { landmark: 1, sight }).is_err());
+        assert!(ekf.correct(&map(), &LandmarkObservation { landmark: 1, observed }).is_err());
     }
     assert!(ekf.predict(Twist2::forward(f64::NAN, 0.0), 0.1).is_err());
     assert!(ekf.predict(Twist2::ZERO, -0.1).is_err());
@@ -187,8 +187,8 @@ fn a_diverged_filter_notices_and_comes_back() {
         let seen = landmarks.iter().enumerate().map(|(k, (id, x, y))| {
             let at = pose.inverse().transform(&nalgebra::Point2::new(*x, *y));
             let range = at.coords.norm() + if outlier && k == 0 { 3.0 } else { 0.0 };
-            let sight = Observed::RangeBearing { range, bearing: at.y.atan2(at.x) };
-            LandmarkObservation { landmark: *id, sight }
+            let observed = Observed::RangeBearing { range, bearing: at.y.atan2(at.x) };
+            LandmarkObservation { landmark: *id, observed }
         });
         Measurement::Landmarks(seen.collect())
     };

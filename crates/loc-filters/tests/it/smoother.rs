@@ -323,11 +323,11 @@ fn drive<F: NonlinearFilter<3>>(seed: u64) -> Drive {
                     let place = truth.inverse().transform(&landmark.position.xy());
                     let range = place.coords.norm();
                     let noise = settings.camera;
-                    let sight = Observed::RangeBearing {
+                    let observed = Observed::RangeBearing {
                         range: range + noise.range_sigma_at(range) * draw(&mut rng),
                         bearing: place.y.atan2(place.x) + noise.bearing_sigma * draw(&mut rng),
                     };
-                    LandmarkObservation { landmark: landmark.id, sight }
+                    LandmarkObservation { landmark: landmark.id, observed }
                 })
                 .collect();
             let outcomes = smoother.observations(after, &seen).unwrap();
@@ -424,7 +424,7 @@ fn inputs_out_of_order_are_refused() {
         drive.mark(f64::NAN).is_err()
             && drive.velocity(7.0, Twist2::forward(f64::NAN, 0.0)).is_err()
     );
-    let bad = LandmarkObservation { landmark: 1, sight: Observed::Range { range: -1.0 } };
+    let bad = LandmarkObservation { landmark: 1, observed: Observed::Range { range: -1.0 } };
     assert!(drive.observations(6.5, &[bad]).is_err());
     let smoothed = drive.smoothed().unwrap();
     assert_eq!(smoothed.len(), 2);

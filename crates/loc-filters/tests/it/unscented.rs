@@ -172,7 +172,8 @@ fn a_near_landmark_is_expected_as_it_is_seen() {
         .map(|pose| f64::hypot(1.5 - pose.x, pose.y))
         .collect();
     let mean = ranges.iter().sum::<f64>() / ranges.len() as f64;
-    let observation = LandmarkObservation { landmark: 1, sight: Observed::Range { range: mean } };
+    let observation =
+        LandmarkObservation { landmark: 1, observed: Observed::Range { range: mean } };
     let mut ukf = LandmarkUkf::new(start, settings).unwrap();
     let mut ekf = LandmarkEkf::new(start, settings).unwrap();
     assert!(ukf.correct(&map, &observation).unwrap().nis.unwrap() < 0.02);
@@ -212,8 +213,8 @@ fn a_wide_heading_is_found_from_landmarks() {
         let mut ukf = LandmarkUkf::new(start, RobotSettings::default()).unwrap();
         for (landmark, direction, range) in [(1, 0.0, 4.0), (2, std::f64::consts::FRAC_PI_2, 5.0)] {
             let bearing = loc_core::angle::wrap(direction - truth);
-            let sight = Observed::RangeBearing { range, bearing };
-            ukf.correct(&map, &LandmarkObservation { landmark, sight }).unwrap();
+            let observed = Observed::RangeBearing { range, bearing };
+            ukf.correct(&map, &LandmarkObservation { landmark, observed }).unwrap();
         }
         let off = loc_core::angle::difference(ukf.belief().mean.z, truth);
         assert!(off.abs() < 0.05, "{truth}: {off}");

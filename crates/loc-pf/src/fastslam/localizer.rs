@@ -71,7 +71,7 @@ impl Localizer for FastSlamLocalizer {
     ) -> loc_filters::Result<Vec<Outcome>> {
         let Measurement::Landmarks(observations) = measurement else { return Ok(Vec::new()) };
         for observation in observations {
-            observation.sight.check()?;
+            observation.observed.check()?;
         }
         self.predict_to("observations", stamp)?;
         let mut outcomes = self.slam.correct(observations)?;

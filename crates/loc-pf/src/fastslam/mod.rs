@@ -30,7 +30,7 @@
 //!
 //! let start = Gaussian::certain(Pose2::IDENTITY.to_vector());
 //! let mut slam = FastSlam::new(start, FastSlamSettings::default(), stream(1, "fastslam"))?;
-//! let see = |range| LandmarkObservation { landmark: 7, sight: Observed::RangeBearing { range, bearing: 0.0 } };
+//! let see = |range| LandmarkObservation { landmark: 7, observed: Observed::RangeBearing { range, bearing: 0.0 } };
 //! slam.correct(&[see(4.0)])?;
 //! slam.predict(Twist2::forward(1.0, 0.0), 1.0)?;
 //! slam.correct(&[see(2.9)])?;
@@ -203,7 +203,7 @@ impl FastSlam {
         observations: &[LandmarkObservation],
     ) -> loc_filters::Result<Vec<Outcome>> {
         for observation in observations {
-            observation.sight.check()?;
+            observation.observed.check()?;
         }
         if observations.is_empty() {
             return Ok(Vec::new());
@@ -224,7 +224,7 @@ impl FastSlam {
     fn include(&mut self, group: &[LandmarkObservation]) {
         for seen in group {
             // Distance and direction do not depend on where the robot is.
-            let Some(located) = Located::new(&self.settings, Pose2::IDENTITY, seen.sight) else {
+            let Some(located) = Located::new(&self.settings, Pose2::IDENTITY, seen.observed) else {
                 continue;
             };
             self.view.include(&located);

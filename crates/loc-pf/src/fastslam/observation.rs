@@ -27,14 +27,14 @@ impl Linearized {
         settings: &FastSlamSettings,
         pose: &nalgebra::Vector3<f64>,
         landmark: &Vector2<f64>,
-        sight: Observed,
+        observed: Observed,
     ) -> Self {
         let model = settings.model(Point2::from(*landmark));
         let (expected, mut by_robot) = model.linearize(pose);
-        let measured = [sight.range().is_some(), sight.bearing().is_some()];
+        let measured = [observed.range().is_some(), observed.bearing().is_some()];
         let seen = Vector2::new(
-            sight.range().unwrap_or(expected.x),
-            sight.bearing().unwrap_or(expected.y),
+            observed.range().unwrap_or(expected.x),
+            observed.bearing().unwrap_or(expected.y),
         );
         let mut residual = model.residual(&seen, &expected);
         for (k, _) in measured.iter().enumerate().filter(|(_, measured)| !**measured) {
@@ -136,8 +136,12 @@ impl Located {
     const MIN_RANGE_WITH_BEARING: f64 = 1e-3;
 
     /// `None` for an observation without distance or direction.
-    pub(super) fn new(settings: &FastSlamSettings, pose: Pose2, sight: Observed) -> Option<Self> {
-        let Observed::RangeBearing { range, bearing } = sight else { return None };
+    pub(super) fn new(
+        settings: &FastSlamSettings,
+        pose: Pose2,
+        observed: Observed,
+    ) -> Option<Self> {
+        let Observed::RangeBearing { range, bearing } = observed else { return None };
         if range < Self::MIN_RANGE_WITH_BEARING {
             return None;
         }
@@ -205,8 +209,9 @@ mod tests {
         let settings =
             FastSlamSettings::default().robot(RobotSettings::default().mounting(mounting));
         let (pose, located) = (Vector3::new(1.0, -2.0, 0.7), Vector2::new(3.1, 0.4));
-        let sight = Observed::RangeBearing { range: 2.0, bearing: 0.3 };
-        let at = |pose: Vector3<f64>, located| Linearized::new(&settings, &pose, &located, sight);
+        let observed = Observed::RangeBearing { range: 2.0, bearing: 0.3 };
+        let at =
+            |pose: Vector3<f64>, located| Linearized::new(&settings, &pose, &located, observed);
         let (linearized, step) = (at(pose, located), 1e-6);
         for k in 0..3 {
             let mut shift = Vector3::zeros();

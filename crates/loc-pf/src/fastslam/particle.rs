@@ -116,7 +116,7 @@ impl Particle {
             return Ok(group.iter().map(association).collect());
         }
         let located =
-            |seen: &LandmarkObservation| Located::new(context.settings, self.pose(), seen.sight);
+            |seen: &LandmarkObservation| Located::new(context.settings, self.pose(), seen.observed);
         let located: Vec<Option<Located>> = group.iter().map(located).collect();
         let placed: Vec<Located> = located.iter().flatten().copied().collect();
         let pairs = Pairs::new(context, self, &placed);
@@ -157,7 +157,7 @@ impl Particle {
             context.settings,
             &self.belief.mean,
             &estimate.position.mean,
-            seen.sight,
+            seen.observed,
         );
         let (id, p) = (estimate.id, self.belief.covariance);
         let without_robot = linearized.covariance_without_robot(&estimate.position.covariance);
@@ -195,7 +195,7 @@ impl Particle {
         let Some(estimate) = self.map.get_mut(slot) else { return Ok(()) };
         if accepted {
             let linearized =
-                Linearized::new(context.settings, &pose, &estimate.position.mean, seen.sight);
+                Linearized::new(context.settings, &pose, &estimate.position.mean, seen.observed);
             let covariance = linearized.covariance_without_robot(&estimate.position.covariance);
             linearized.score_residual(covariance, &Gate::OPEN, context.step)?;
             estimate.correct(&linearized, &covariance);
@@ -216,7 +216,7 @@ impl Particle {
         seen: &LandmarkObservation,
     ) -> Result<Outcome> {
         let settings = context.settings;
-        let Some(located) = Located::new(settings, self.pose(), seen.sight) else {
+        let Some(located) = Located::new(settings, self.pose(), seen.observed) else {
             return Ok(UNDETERMINED);
         };
         let full = Outcome::of(Decision::MapFull);
@@ -310,7 +310,8 @@ impl Pairs {
             }
         });
         let linearized = located.iter().flat_map(|located| {
-            let sight = Observed::RangeBearing { range: located.range, bearing: located.bearing };
+            let observed =
+                Observed::RangeBearing { range: located.range, bearing: located.bearing };
             let near_landmarks = near_landmarks.iter();
             near_landmarks.map(move |estimate| {
                 let squared = (located.position.mean - estimate.mean).norm_squared();
@@ -318,7 +319,7 @@ impl Pairs {
                     return None;
                 }
                 let pose = &particle.belief.mean;
-                let linearized = Linearized::new(context.settings, pose, &estimate.mean, sight);
+                let linearized = Linearized::new(context.settings, pose, &estimate.mean, observed);
                 let of_robot = linearized.by_robot
                     * particle.belief.covariance
                     * linearized.by_robot.transpose();

@@ -17,8 +17,8 @@
 //! let settings = LandmarkMclSettings::default();
 //! let mut mcl = LandmarkMcl::new(map, settings, 0.0, &start, stream(1, "mcl"))?;
 //! mcl.velocity(0.0, Twist2::forward(1.0, 0.0))?;
-//! let sight = Observed::RangeBearing { range: 2.0, bearing: 0.0 };
-//! mcl.update(2.0, &[LandmarkObservation { landmark: 1, sight }])?;
+//! let observed = Observed::RangeBearing { range: 2.0, bearing: 0.0 };
+//! mcl.update(2.0, &[LandmarkObservation { landmark: 1, observed }])?;
 //! assert!((mcl.estimate(2.5)?.pose.x - 2.5).abs() < 0.2);
 //! # Ok::<(), loc_pf::Error>(())
 //! ```
@@ -168,7 +168,7 @@ impl LandmarkMcl {
         stamp: f64,
         observations: &[LandmarkObservation],
     ) -> Result<ObservationUpdate> {
-        observations.iter().try_for_each(|observation| observation.sight.check().map(|_| ()))?;
+        observations.iter().try_for_each(|observation| observation.observed.check().map(|_| ()))?;
         self.clock.advance("observations", stamp)?;
         self.correct_with(self.clock.now(), observations)
     }

@@ -33,7 +33,7 @@ fn slam(settings: FastSlamSettings) -> FastSlam {
 }
 
 fn observation(landmark: u32, range: f64, bearing: f64) -> LandmarkObservation {
-    LandmarkObservation { landmark, sight: Observed::RangeBearing { range, bearing } }
+    LandmarkObservation { landmark, observed: Observed::RangeBearing { range, bearing } }
 }
 
 /// What a robot at `pose` sees of a landmark, with errors of so many sigmas.
@@ -123,10 +123,10 @@ fn one_particle_without_noise_is_the_kalman_filter() {
         let mut observations = observations.clone();
         // Some tell but half.
         for (j, seen) in observations.iter_mut().enumerate().filter(|_| k > 8) {
-            let Observed::RangeBearing { range, bearing } = seen.sight else { continue };
+            let Observed::RangeBearing { range, bearing } = seen.observed else { continue };
             match (k + j) % 4 {
-                0 => seen.sight = Observed::Range { range },
-                1 => seen.sight = Observed::Bearing { bearing },
+                0 => seen.observed = Observed::Range { range },
+                1 => seen.observed = Observed::Bearing { bearing },
                 _ => {}
             }
         }
@@ -175,7 +175,7 @@ fn the_proposal_has_the_posterior_of_plain_sampling() {
         let pose = Integration::ExactArc.step(ORIGIN, drove, 1.0);
         let mut exponent = 0.0;
         for (landmark, seen) in map.iter().zip(&second) {
-            let Observed::RangeBearing { range, bearing } = seen.sight else { unreachable!() };
+            let Observed::RangeBearing { range, bearing } = seen.observed else { unreachable!() };
             let way = pose.inverse().transform(&landmark.position.mean.into());
             let (r, phi) = (way.coords.norm(), way.y.atan2(way.x));
             // Along and across the ray, in the map.
@@ -330,7 +330,7 @@ fn bad_input_is_refused_and_changes_nothing() {
     }
     assert!(slam.correct(&[]).unwrap().is_empty());
     let bearing_only =
-        LandmarkObservation { landmark: 9, sight: Observed::Bearing { bearing: 0.1 } };
+        LandmarkObservation { landmark: 9, observed: Observed::Bearing { bearing: 0.1 } };
     let outcome = slam.correct(&[bearing_only, observation(8, 0.0, 0.0)]).unwrap();
     assert!(outcome.iter().all(|o| o.decision == Decision::Undetermined && !o.accepted()));
     assert!(slam.predict(Twist2::forward(f64::NAN, 0.0), 1.0).is_err());

@@ -23,7 +23,7 @@ fn model(outlier_share: f64) -> ObservationModel {
 fn likelihood(observations: &[(u32, Observed)], model: &ObservationModel) -> LandmarkLikelihood {
     let observations: Vec<LandmarkObservation> = observations
         .iter()
-        .map(|&(landmark, sight)| LandmarkObservation { landmark, sight })
+        .map(|&(landmark, observed)| LandmarkObservation { landmark, observed })
         .collect();
     LandmarkLikelihood::new(&map(), &observations, model).unwrap()
 }
@@ -40,12 +40,12 @@ fn fast(likelihood: &LandmarkLikelihood, poses: &[Pose2]) -> Vec<f64> {
 #[test]
 fn one_sighting_by_hand() {
     let bearing = 4_f64.atan2(3.0) + 0.1;
-    let sight = Observed::RangeBearing { range: 5.1, bearing };
+    let observed = Observed::RangeBearing { range: 5.1, bearing };
     // 1 / (2 pi 0.1 0.05) exp(-(1 + 4) / 2) = 31.83099 * 0.0820850 = 2.612847
-    let seen = likelihood(&[(1, sight)], &model(0.0));
+    let seen = likelihood(&[(1, observed)], &model(0.0));
     assert_relative_eq!(seen.log_likelihood(Pose2::IDENTITY).exp(), 2.612847, epsilon = 1e-6);
     // A tenth of them lies anywhere in 10 m x 2 pi: 0.9 * 2.612847 + 0.1 / 62.83185 = 2.353154
-    let seen = likelihood(&[(1, sight)], &model(0.1));
+    let seen = likelihood(&[(1, observed)], &model(0.1));
     assert_relative_eq!(seen.log_likelihood(Pose2::IDENTITY).exp(), 2.353154, epsilon = 1e-6);
     let trust = seen.trust(Pose2::IDENTITY).next().unwrap();
     assert_relative_eq!(trust.probability, 2.351562 / 2.353154, epsilon = 1e-6);
@@ -72,8 +72,8 @@ fn distance_and_direction_alone() {
 #[test]
 fn directions_wrap_at_pi() {
     let map = LandmarkMap::new([Landmark::planar(1, -4.0, 0.01)]).unwrap();
-    let sight = Observed::Bearing { bearing: -PI + 0.01 };
-    let seen = [LandmarkObservation { landmark: 1, sight }];
+    let observed = Observed::Bearing { bearing: -PI + 0.01 };
+    let seen = [LandmarkObservation { landmark: 1, observed }];
     let seen = LandmarkLikelihood::new(&map, &seen, &model(0.0)).unwrap();
     let pose = Pose2::IDENTITY;
     let error = angle::difference(-PI + 0.01, (0.01_f64).atan2(-4.0));
@@ -93,8 +93,8 @@ fn the_mounting_counts() {
     let mounting = Pose2::new(0.5, 0.0, FRAC_PI_2);
     let model = ObservationModel { mounting, ..model(0.0) };
     let map = LandmarkMap::new([Landmark::planar(1, 0.5, 2.0)]).unwrap();
-    let sight = Observed::RangeBearing { range: 2.0, bearing: 0.0 };
-    let seen = [LandmarkObservation { landmark: 1, sight }];
+    let observed = Observed::RangeBearing { range: 2.0, bearing: 0.0 };
+    let seen = [LandmarkObservation { landmark: 1, observed }];
     let seen = LandmarkLikelihood::new(&map, &seen, &model).unwrap();
     let at = seen.log_likelihood(Pose2::IDENTITY);
     assert_relative_eq!(at, seen.log_peak(), epsilon = 1e-12);
@@ -150,10 +150,13 @@ fn many_at_once_agree_with_one_by_one() {
 fn far_from_the_origin_of_the_map() {
     let far = Pose2::new(4.5e5, -5.4e5, 0.0);
     let map = LandmarkMap::new([Landmark::planar(1, far.x + 3.0, far.y + 4.0)]).unwrap();
-    let sight = Observed::RangeBearing { range: 5.0, bearing: 0.9 };
-    let seen =
-        LandmarkLikelihood::new(&map, &[LandmarkObservation { landmark: 1, sight }], &model(0.01))
-            .unwrap();
+    let observed = Observed::RangeBearing { range: 5.0, bearing: 0.9 };
+    let seen = LandmarkLikelihood::new(
+        &map,
+        &[LandmarkObservation { landmark: 1, observed }],
+        &model(0.01),
+    )
+    .unwrap();
     assert_relative_eq!(fast(&seen, &[far])[0], seen.log_likelihood(far), epsilon = 1e-4);
 }
 
@@ -161,8 +164,8 @@ fn far_from_the_origin_of_the_map() {
 #[test]
 fn nothing_underflows() {
     for outlier_share in [0.0, 1e-3] {
-        let sight = Observed::RangeBearing { range: 2.0, bearing: 2.0 };
-        let seen = likelihood(&[(1, sight); 400], &model(outlier_share));
+        let observed = Observed::RangeBearing { range: 2.0, bearing: 2.0 };
+        let seen = likelihood(&[(1, observed); 400], &model(outlier_share));
         let poses = [Pose2::IDENTITY, Pose2::new(0.0, 0.1, 0.0)];
         let rated = fast(&seen, &poses);
         for (pose, rated) in poses.iter().zip(&rated) {
@@ -195,21 +198,21 @@ fn no_pose_gives_nan() {
 
 #[test]
 fn unknown_numbers_are_told_and_left_out() {
-    let sight = Observed::Range { range: 5.0 };
-    let seen = likelihood(&[(9, sight), (1, sight), (77, sight)], &model(0.0));
+    let observed = Observed::Range { range: 5.0 };
+    let seen = likelihood(&[(9, observed), (1, observed), (77, observed)], &model(0.0));
     let unknown: Vec<u32> = seen.unknown().iter().map(|s| s.landmark).collect();
     assert_eq!((unknown, seen.len()), (vec![9, 77], 1));
     let trust: Vec<_> = seen.trust(Pose2::IDENTITY).collect();
     assert_eq!(trust.iter().map(|t| t.observation.landmark).collect::<Vec<_>>(), [1, 9, 77]);
     assert_eq!(trust.iter().map(|t| t.probability).collect::<Vec<_>>(), [1.0, 0.0, 0.0]);
-    let nothing = likelihood(&[(9, sight)], &model(0.0));
+    let nothing = likelihood(&[(9, observed)], &model(0.0));
     assert!(nothing.is_empty() && fast(&nothing, &[Pose2::IDENTITY]) == [0.0]);
 }
 
 #[test]
 fn bad_input_is_named() {
-    let refusal = |sight: Observed, model: ObservationModel| {
-        let seen = [LandmarkObservation { landmark: 1, sight }];
+    let refusal = |observed: Observed, model: ObservationModel| {
+        let seen = [LandmarkObservation { landmark: 1, observed }];
         LandmarkLikelihood::new(&map(), &seen, &model).unwrap_err().to_string()
     };
     let fine = Observed::Range { range: 1.0 };

@@ -251,9 +251,9 @@ fn blind_drives_follow_the_odometry() {
         filter.velocity(0.1 * f64::from(k), straight).unwrap();
     }
     let before = filter.belief_at(10.0).unwrap();
-    let sight = Observed::Range { range: 4.0 };
+    let observed = Observed::Range { range: 4.0 };
     // An observation of a landmark that the map has not moves the cloud and says nothing.
-    let update = filter.update(10.0, &[LandmarkObservation { landmark: 99, sight }]).unwrap();
+    let update = filter.update(10.0, &[LandmarkObservation { landmark: 99, observed }]).unwrap();
     assert_eq!((update.trust[0].probability, update.resampled), (0.0, false));
     let cloud = loc_pf::estimate::moments(filter.particles());
     for i in 0..3 {
@@ -285,7 +285,7 @@ fn nothing_gives_nan() {
     let all = |range: f64| -> Vec<LandmarkObservation> {
         let see = |landmark| LandmarkObservation {
             landmark,
-            sight: Observed::RangeBearing { range, bearing: 1.0 },
+            observed: Observed::RangeBearing { range, bearing: 1.0 },
         };
         (1..7).map(see).collect()
     };
@@ -313,7 +313,9 @@ fn bad_input_is_refused_and_changes_nothing() {
     for error in [
         filter.velocity(f64::NAN, fine).unwrap_err(),
         filter.velocity(6.0, Twist2::forward(f64::INFINITY, 0.0)).unwrap_err(),
-        filter.observations(6.0, &[LandmarkObservation { landmark: 1, sight: nan }]).unwrap_err(),
+        filter
+            .observations(6.0, &[LandmarkObservation { landmark: 1, observed: nan }])
+            .unwrap_err(),
         filter.estimate(f64::NAN).unwrap_err(),
     ] {
         let core = matches!(error, loc_filters::Error::Core(loc_core::Error::OutOfRange { .. }));

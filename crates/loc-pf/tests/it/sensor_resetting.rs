@@ -28,7 +28,7 @@ fn seen(landmarks: &[(u32, ObservedKind)]) -> LandmarkLikelihood {
     let see = |&(landmark, kind): &(u32, ObservedKind)| {
         let way = map.get(landmark).unwrap().position.xy() - camera.position();
         let bearing = angle::wrap(way.y.atan2(way.x) - camera.theta);
-        LandmarkObservation { landmark, sight: Observed::new(kind, way.norm(), bearing) }
+        LandmarkObservation { landmark, observed: Observed::new(kind, way.norm(), bearing) }
     };
     let observations: Vec<LandmarkObservation> = landmarks.iter().map(see).collect();
     LandmarkLikelihood::new(&map, &observations, &model()).unwrap()
@@ -101,8 +101,8 @@ fn without_a_fit_the_pose_is_anywhere_inside() {
     assert!(poses.iter().all(|pose| region().contains(&pose.position())));
     let quadrants = [1.0, -1.0].map(|sign| poses.iter().filter(|p| p.x * sign > 0.0).count());
     assert!(quadrants.iter().all(|&count| count > 200));
-    let sight = Observed::Range { range: 100.0 };
-    let far = [LandmarkObservation { landmark: 1, sight }];
+    let observed = Observed::Range { range: 100.0 };
+    let far = [LandmarkObservation { landmark: 1, observed }];
     let far = LandmarkLikelihood::new(&map(), &far, &model()).unwrap();
     assert!(draws(&far, 1.0, 50).iter().all(|pose| region().contains(&pose.position())));
 }

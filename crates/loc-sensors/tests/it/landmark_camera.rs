@@ -18,8 +18,8 @@ fn mounting_and_pose_by_hand() {
     let camera = LandmarkCamera { mounting: Pose2::new(1.0, 0.0, FRAC_PI_2), ..perfect() };
     let world = Landmarks::from([(3, [-1.0, 3.0])]);
     let seen = camera.observe(&world, Pose2::new(1.0, 2.0, FRAC_PI_2), &mut stream(1, "c"));
-    assert_relative_eq!(seen[0].sight.range().unwrap(), 2.0, epsilon = 1e-12);
-    assert_relative_eq!(seen[0].sight.bearing().unwrap(), 0.0, epsilon = 1e-12);
+    assert_relative_eq!(seen[0].observed.range().unwrap(), 2.0, epsilon = 1e-12);
+    assert_relative_eq!(seen[0].observed.bearing().unwrap(), 0.0, epsilon = 1e-12);
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn only_what_is_in_view_is_seen() {
     assert_eq!(seen.iter().map(|s| s.landmark).collect::<Vec<_>>(), [1, 4]);
     // Straight behind, the direction jumps from pi to -pi; a camera that sees all around does not.
     let behind = perfect().observe(&world, Pose2::new(0.0, 0.0, 0.1), &mut stream(1, "c"));
-    assert_relative_eq!(behind[5].sight.bearing().unwrap(), PI - 0.1, epsilon = 1e-12);
+    assert_relative_eq!(behind[5].observed.bearing().unwrap(), PI - 0.1, epsilon = 1e-12);
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn kinds_deliver_their_numbers() {
     ] {
         let camera = LandmarkCamera { kind, ..perfect() };
         let seen = camera.observe(&world, Pose2::IDENTITY, &mut stream(1, "c"));
-        assert_eq!((seen[0].sight.range(), seen[0].sight.bearing()), (range, bearing));
+        assert_eq!((seen[0].observed.range(), seen[0].observed.bearing()), (range, bearing));
     }
 }
 
@@ -70,11 +70,11 @@ fn noise_detection_and_wrong_numbers_have_their_rates() {
     for _ in 0..rounds {
         for observation in camera.observe(&world, Pose2::IDENTITY, &mut rng) {
             seen += 1;
-            let at_first = observation.sight.bearing().unwrap().abs() < 0.5;
+            let at_first = observation.observed.bearing().unwrap().abs() < 0.5;
             wrong += u32::from(at_first != (observation.landmark == 1));
             if at_first {
-                range.push(observation.sight.range().unwrap()).unwrap();
-                bearing.push(observation.sight.bearing().unwrap()).unwrap();
+                range.push(observation.observed.range().unwrap()).unwrap();
+                bearing.push(observation.observed.bearing().unwrap()).unwrap();
             }
         }
     }

@@ -123,7 +123,7 @@ impl Detections {
             // The camera's mounting is known to the methods only; it is negligible at this scale.
             Measurement::Landmarks(observations) => {
                 for observation in observations {
-                    if let Observed::RangeBearing { range, bearing } = observation.sight {
+                    if let Observed::RangeBearing { range, bearing } = observation.observed {
                         let (sin, cos) = bearing.sin_cos();
                         self.sights.push([(range * cos) as f32, (range * sin) as f32]);
                     }

@@ -87,10 +87,10 @@ fn take(station: &Station) -> Result<Taken> {
         "observations.csv",
         ["landmark", "range_m", "bearing_rad", "true_range_m", "true_bearing_rad"],
         seen.iter().map(|seen| {
-            let sight = seen.observation.sight;
+            let observed = seen.observation.observed;
             let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
             let id = f64::from(seen.observation.landmark);
-            [id, or_none(sight.range()), or_none(sight.bearing()), seen.range, seen.bearing]
+            [id, or_none(observed.range()), or_none(observed.bearing()), seen.range, seen.bearing]
         }),
     );
     taken.folder.add("landmarks.csv", landmarks.to_csv());
@@ -102,9 +102,9 @@ fn take(station: &Station) -> Result<Taken> {
 /// The observation beside the truth; numbers that were misread are compared with what they claim.
 fn seen(observation: LandmarkObservation, landmarks: &LandmarkMap, eye: Pose2) -> Option<Seen> {
     let position = landmarks.get(observation.landmark)?.position.xy();
-    let sight = position - eye.position();
-    let bearing = angle::wrap(sight.y.atan2(sight.x) - eye.theta);
-    Some(Seen { observation, range: sight.norm(), bearing })
+    let offset = position - eye.position();
+    let bearing = angle::wrap(offset.y.atan2(offset.x) - eye.theta);
+    Some(Seen { observation, range: offset.norm(), bearing })
 }
 
 /// Landmarks on walls that border on free space, spread evenly: each as far as possible from all
@@ -136,16 +136,16 @@ fn on_walls(place: &Place, count: usize) -> Result<LandmarkMap> {
     Ok(LandmarkMap::new(landmarks)?)
 }
 
-/// Where a sight puts its landmark; a missing number is taken from the truth.
+/// Where an observation puts its landmark; a missing number is taken from the truth.
 fn measured(seen: &Seen, eye: Pose2) -> Point2<f64> {
-    let sight = seen.observation.sight;
-    let range = sight.range().unwrap_or(seen.range);
-    let (sin, cos) = sight.bearing().unwrap_or(seen.bearing).sin_cos();
+    let observed = seen.observation.observed;
+    let range = observed.range().unwrap_or(seen.range);
+    let (sin, cos) = observed.bearing().unwrap_or(seen.bearing).sin_cos();
     eye.transform(&Point2::new(range * cos, range * sin))
 }
 
 fn two_sigma(seen: &Seen, eye: Pose2, noise: &LandmarkNoise) -> Option<Ellipse> {
-    let Observed::RangeBearing { range, bearing } = seen.observation.sight else { return None };
+    let Observed::RangeBearing { range, bearing } = seen.observation.observed else { return None };
     let (along, across) = (noise.range_sigma_at(range), range * noise.bearing_sigma);
     let turn = Pose2::new(0.0, 0.0, eye.theta + bearing).rotation();
     let covariance =
@@ -200,9 +200,9 @@ fn errors(seen: &[Seen], noise: &LandmarkNoise, preset: &str) -> String {
 }
 
 fn range_error(seen: &Seen) -> Option<f64> {
-    Some(seen.observation.sight.range()? - seen.range)
+    Some(seen.observation.observed.range()? - seen.range)
 }
 
 fn bearing_error(seen: &Seen) -> Option<f64> {
-    Some(angle::difference(seen.observation.sight.bearing()?, seen.bearing))
+    Some(angle::difference(seen.observation.observed.bearing()?, seen.bearing))
 }

@@ -42,7 +42,7 @@ impl<S: Source> Calibrated<S> {
             }
             Payload::Measurement(Measurement::Landmarks(observations)) => {
                 for observation in observations {
-                    observation.sight = self.camera.correct(observation.sight);
+                    observation.observed = self.camera.correct(observation.observed);
                 }
                 event.stamp -= self.camera.delay;
             }

@@ -94,7 +94,7 @@ impl Mrclam {
         subjects: &HashMap<u32, u32>,
     ) -> Vec<Event> {
         let mut events: Vec<Event> = Vec::new();
-        for (stamp, barcode, sight) in seen {
+        for (stamp, barcode, observed) in seen {
             let landmark = match subjects.get(&barcode) {
                 None => {
                     self.unknown_barcodes += 1;
@@ -106,7 +106,7 @@ impl Mrclam {
                 }
                 Some(&subject) => subject,
             };
-            let observation = LandmarkObservation { landmark, sight };
+            let observation = LandmarkObservation { landmark, observed };
             match events.last_mut() {
                 Some(Event {
                     stamp: last,
@@ -214,8 +214,8 @@ fn read_measurements(file: &Path) -> Result<Vec<(f64, u32, Observed)>> {
         if range < 0.0 {
             return Err(row.error("range", "a distance >= 0", row.text("range")?).into());
         }
-        let sight = Observed::RangeBearing { range, bearing: row.number("bearing")? };
-        seen.push((stamp, row.whole_number("barcode")?, sight));
+        let observed = Observed::RangeBearing { range, bearing: row.number("bearing")? };
+        seen.push((stamp, row.whole_number("barcode")?, observed));
     }
     not_empty(seen.is_empty(), file, "measurements")?;
     Ok(seen)

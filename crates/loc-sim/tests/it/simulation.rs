@@ -279,7 +279,7 @@ fn a_camera_sees_the_landmarks_that_no_wall_hides() {
                 for observation in observations {
                     let place = landmarks.get(observation.landmark).unwrap().position.xy();
                     let way = place - pose.position();
-                    let Observed::RangeBearing { range, bearing } = observation.sight else {
+                    let Observed::RangeBearing { range, bearing } = observation.observed else {
                         panic!()
                     };
                     assert!((range - way.norm()).abs() < 1e-9);

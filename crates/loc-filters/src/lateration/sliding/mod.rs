@@ -52,7 +52,7 @@ const FITS: f64 = 3.0;
 ///     let (stamp, landmark) = (0.1 * f64::from(k), 1 + k as u32 % 3);
 ///     let at = nalgebra::Point3::new(2.0, 1.0 + 0.5 * stamp, 0.0);
 ///     let range = nalgebra::distance(&at, &map.get(landmark).unwrap().position);
-///     robot.observations(stamp, &[LandmarkObservation { landmark, sight: Observed::Range { range } }])?;
+///     robot.observations(stamp, &[LandmarkObservation { landmark, observed: Observed::Range { range } }])?;
 /// }
 /// let pose = robot.estimate(4.0)?.pose;
 /// assert!((pose.x - 2.0).abs() < 0.02 && (pose.y - 3.0).abs() < 0.02);
@@ -143,12 +143,12 @@ impl SlidingLateration {
         observations: &[LandmarkObservation],
     ) -> Result<Vec<Outcome>> {
         for observation in observations {
-            observation.sight.check()?;
+            observation.observed.check()?;
         }
         self.clock.advance("ranges", stamp)?;
         let mut ranges = Vec::with_capacity(observations.len());
         for observation in observations {
-            ranges.push(match (self.map.get(observation.landmark), observation.sight.range()) {
+            ranges.push(match (self.map.get(observation.landmark), observation.observed.range()) {
                 (None, _) => Err(Decision::UnknownLandmark),
                 (_, None) => Err(Decision::Undetermined),
                 (Some(landmark), Some(distance)) => {

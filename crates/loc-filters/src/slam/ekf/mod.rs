@@ -191,7 +191,7 @@ impl EkfSlam {
     /// none is then used. [`crate::Error::LostPositivity`], with the step: the filter cannot go on.
     pub fn correct(&mut self, observations: &[LandmarkObservation]) -> Result<Vec<Outcome>> {
         for observation in observations {
-            observation.sight.check()?;
+            observation.observed.check()?;
         }
         let mut outcomes = Vec::with_capacity(observations.len());
         let mut budget = self.settings.association.search_limit;
@@ -226,7 +226,7 @@ impl EkfSlam {
         for (k, observation) in group.iter().enumerate() {
             outcomes.push(match self.numbers.get(&observation.landmark) {
                 Some(&landmark) => {
-                    self.evaluate(landmark, observation.sight, &self.gate, &mut rows)?
+                    self.evaluate(landmark, observation.observed, &self.gate, &mut rows)?
                 }
                 None => {
                     new.push(k);
@@ -257,7 +257,7 @@ impl EkfSlam {
         };
         // It was initialized by an earlier observation of the same group.
         let mut rows = Vec::with_capacity(2);
-        let outcome = self.evaluate(landmark, observation.sight, &self.gate, &mut rows)?;
+        let outcome = self.evaluate(landmark, observation.observed, &self.gate, &mut rows)?;
         self.apply(&rows)?;
         self.update_score(id, outcome.accepted());
         Ok(outcome)
@@ -289,7 +289,7 @@ impl EkfSlam {
             let nis = pairs.nearest_free(observation, &taken);
             match association.partners[observation] {
                 Some(landmark) => {
-                    found[k] = self.evaluate(landmark, group[k].sight, &self.gate, &mut rows)?;
+                    found[k] = self.evaluate(landmark, group[k].observed, &self.gate, &mut rows)?;
                 }
                 None if nis > self.new_landmark_gate || !distinctive[observation] => new.push(k),
                 None => found[k] = Outcome::of(Decision::Ambiguous).with_nis(nis),
@@ -324,7 +324,7 @@ impl EkfSlam {
         let mut nearest = f64::INFINITY;
         for landmark in beside {
             let outcome =
-                self.evaluate(landmark, observation.sight, &self.gate, &mut Vec::new())?;
+                self.evaluate(landmark, observation.observed, &self.gate, &mut Vec::new())?;
             nearest = nearest.min(outcome.nis.unwrap_or(f64::INFINITY));
         }
         if nearest <= self.distinct_gate {
@@ -366,11 +366,11 @@ impl EkfSlam {
     fn evaluate(
         &self,
         landmark: usize,
-        sight: Observed,
+        observed: Observed,
         gate: &Gate,
         rows: &mut Vec<Row<NUMBERS>>,
     ) -> Result<Outcome> {
-        let (range, bearing) = (sight.range().unwrap_or(0.0), sight.bearing().unwrap_or(0.0));
+        let (range, bearing) = (observed.range().unwrap_or(0.0), observed.bearing().unwrap_or(0.0));
         let prediction = self.prediction(landmark, range, bearing);
         let covariance = self.innovation_covariance(&prediction);
         let state = self.state.robot_state();
@@ -378,7 +378,7 @@ impl EkfSlam {
             let residual = Vector1::new(prediction.residual[k]);
             state.innovation(residual, Matrix1::new(covariance[(k, k)]), gate)
         };
-        let outcome = match sight {
+        let outcome = match observed {
             Observed::RangeBearing { .. } => {
                 Outcome::of_innovation(&state.innovation(prediction.residual, covariance, gate)?)
             }
@@ -387,7 +387,7 @@ impl EkfSlam {
         };
         let outcome = outcome.with_landmark(self.entries[landmark].id);
         if outcome.accepted() {
-            let measured = [sight.range().is_some(), sight.bearing().is_some()];
+            let measured = [observed.range().is_some(), observed.bearing().is_some()];
             rows.extend([0, 1].into_iter().filter(|&k| measured[k]).map(|k| prediction.row(k)));
         }
         Ok(outcome)
@@ -443,7 +443,7 @@ impl EkfSlam {
     /// The position of a landmark that an observation gives at the estimated pose \[m\]; `None` without
     /// a range or a bearing.
     fn locate(&self, observation: &LandmarkObservation) -> Option<LocatedObservation> {
-        let Observed::RangeBearing { range, bearing } = observation.sight else { return None };
+        let Observed::RangeBearing { range, bearing } = observation.observed else { return None };
         if range < LocatedObservation::NEAREST {
             return None;
         }

@@ -28,7 +28,7 @@ fn map() -> LandmarkMap {
 }
 
 fn heard(landmark: u32, range: f64) -> LandmarkObservation {
-    LandmarkObservation { landmark, sight: Observed::Range { range } }
+    LandmarkObservation { landmark, observed: Observed::Range { range } }
 }
 
 /// A robot on a figure of eight, heard by one landmark after the other.
@@ -180,7 +180,7 @@ fn late_inputs_end_where_punctual_ones_do() {
 fn what_cannot_be_used_is_told() {
     let mut robot = SlidingLateration::new(map(), SlidingSettings::default(), 0.0).unwrap();
     assert!(robot.belief_at(0.0).unwrap().is_none() && robot.bias().is_none());
-    let bearing = LandmarkObservation { landmark: 1, sight: Observed::Bearing { bearing: 0.1 } };
+    let bearing = LandmarkObservation { landmark: 1, observed: Observed::Bearing { bearing: 0.1 } };
     let decisions = |outcomes: Vec<Outcome>| -> Vec<Decision> {
         outcomes.iter().map(|outcome| outcome.decision).collect()
     };

@@ -12,7 +12,7 @@ fn certain() -> Gaussian<3> {
 }
 
 fn see(landmark: u32, range: f64, bearing: f64) -> LandmarkObservation {
-    LandmarkObservation { landmark, sight: Observed::RangeBearing { range, bearing } }
+    LandmarkObservation { landmark, observed: Observed::RangeBearing { range, bearing } }
 }
 
 #[test]
@@ -24,7 +24,7 @@ fn refused_input_changes_nothing() {
         see(1, f64::NAN, 0.0),
         see(1, -1.0, 0.0),
         see(2, 1.0, f64::INFINITY),
-        LandmarkObservation { landmark: 1, sight: Observed::Range { range: f64::INFINITY } },
+        LandmarkObservation { landmark: 1, observed: Observed::Range { range: f64::INFINITY } },
     ] {
         assert!(slam.correct(&[see(1, 4.1, 0.0), bad]).is_err());
     }
@@ -49,7 +49,7 @@ fn observations_that_cannot_be_used_have_a_reason() {
     let map = MapSettings::default().max_landmarks(2);
     let settings = SlamSettings::default().map(map);
     let mut slam = EkfSlam::new(certain(), settings).unwrap();
-    let bearing = LandmarkObservation { landmark: 9, sight: Observed::Bearing { bearing: 0.3 } };
+    let bearing = LandmarkObservation { landmark: 9, observed: Observed::Bearing { bearing: 0.3 } };
     let seen = [see(1, 4.0, 0.0), bearing, see(2, 0.0, 0.0), see(3, 2.0, 1.0), see(4, 2.0, -1.0)];
     let verdicts: Vec<_> = slam.correct(&seen).unwrap().iter().map(|o| o.decision).collect();
     let [born, unplaceable] = [Decision::NewLandmark, Decision::Undetermined];

@@ -10,7 +10,7 @@ use loc_sensors::landmark_camera::{LandmarkObservation, Observed};
 use nalgebra::{DMatrix, Rotation2, Vector2};
 
 fn see(landmark: u32, range: f64, bearing: f64) -> LandmarkObservation {
-    LandmarkObservation { landmark, sight: Observed::RangeBearing { range, bearing } }
+    LandmarkObservation { landmark, observed: Observed::RangeBearing { range, bearing } }
 }
 
 /// x, y of the robot and of the landmarks in turn, and the heading.

@@ -67,11 +67,11 @@ impl Textbook {
                 r.push(residual);
                 variances.push(variance);
             };
-            if let Some(seen) = observation.sight.range() {
+            if let Some(seen) = observation.observed.range() {
                 let [a, b] = [dx / range, dy / range];
                 row([(0, -a), (1, -b), (2, 0.0), (lx, a), (ly, b)], seen - range, noise.m11);
             }
-            if let Some(seen) = observation.sight.bearing() {
+            if let Some(seen) = observation.observed.bearing() {
                 let residual = angle::wrap(seen - (dy.atan2(dx) - self.x[2]));
                 let [a, b] = [dy / q, dx / q];
                 row([(0, a), (1, -b), (2, -1.0), (lx, -a), (ly, b)], residual, noise.m22);
@@ -93,7 +93,7 @@ impl Textbook {
     }
 
     fn append(&mut self, observation: &LandmarkObservation) {
-        let Observed::RangeBearing { range, bearing } = observation.sight else { return };
+        let Observed::RangeBearing { range, bearing } = observation.observed else { return };
         let (sin, cos) = (self.x[2] + bearing).sin_cos();
         let (dx, dy) = (range * cos, range * sin);
         let size = self.x.len();
@@ -120,13 +120,13 @@ fn see(pose: Pose2, id: u32, off: f64) -> LandmarkObservation {
     let place = stream(u64::from(id), "place").random_range(-6.0..6.0);
     let (dx, dy) = (place - pose.x, 7.0 + f64::from(id % 5) - pose.y);
     let (range, bearing) = (dx.hypot(dy) + off, angle::wrap(dy.atan2(dx) - pose.theta - off));
-    let sight = match id % 7 {
+    let observed = match id % 7 {
         // Some are seen in full only at first.
         5 if off > 0.0 => Observed::Range { range },
         6 if off > 0.0 => Observed::Bearing { bearing },
         _ => Observed::RangeBearing { range, bearing },
     };
-    LandmarkObservation { landmark: id, sight }
+    LandmarkObservation { landmark: id, observed }
 }
 
 /// Every size of map from none to 21 landmarks, every number of observations from one to nine at
@@ -174,7 +174,7 @@ fn two_observations_of_one_landmark_by_hand() {
     let mut slam = EkfSlam::new(start, SlamSettings::default()).unwrap();
     let ahead = |range| LandmarkObservation {
         landmark: 3,
-        sight: Observed::RangeBearing { range, bearing: 0.0 },
+        observed: Observed::RangeBearing { range, bearing: 0.0 },
     };
     slam.correct(&[ahead(4.0)]).unwrap();
     let born = slam.landmark(3).unwrap().unwrap().position;

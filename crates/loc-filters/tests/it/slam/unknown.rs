@@ -62,7 +62,7 @@ fn what_is_seen_once_and_never_again_is_removed() {
     let mut slam = unknown(Rule::JointCompatibility);
     let see = |range, bearing| LandmarkObservation {
         landmark: 0,
-        sight: Observed::RangeBearing { range, bearing },
+        observed: Observed::RangeBearing { range, bearing },
     };
     let real = [see(3.0, 0.5), see(4.0, -0.5), see(2.0, 0.9)];
     for _ in 0..4 {

@@ -48,14 +48,14 @@ enum Kind {
 
 impl Seen {
     pub(super) fn new(placed: &Placed, origin: Point2<f64>, model: &ObservationModel) -> Self {
-        let (noise, sight) = (&model.noise, placed.observation.sight);
+        let (noise, observed) = (&model.noise, placed.observation.observed);
         let way = placed.landmark - origin;
-        let range = sight.range().unwrap_or(0.0);
-        let (sin, cos) = (sight.bearing().unwrap_or(0.0) + model.mounting.theta).sin_cos();
+        let range = observed.range().unwrap_or(0.0);
+        let (sin, cos) = (observed.bearing().unwrap_or(0.0) + model.mounting.theta).sin_cos();
         let log_peak = super::peak(Some(range), placed, model);
         let outlier = (super::wrong(placed, model) - log_peak).exp();
         Seen {
-            kind: match sight {
+            kind: match observed {
                 Observed::RangeBearing { .. } => Kind::RangeBearing,
                 Observed::Range { .. } => Kind::Range,
                 Observed::Bearing { .. } => Kind::Bearing,

@@ -16,8 +16,8 @@
 //! use loc_sensors::landmark_camera::{Observed, LandmarkObservation};
 //!
 //! let map = LandmarkMap::new([Landmark::planar(7, 3.0, 4.0)])?;
-//! let sight = Observed::RangeBearing { range: 5.0, bearing: 4_f64.atan2(3.0) };
-//! let seen = [LandmarkObservation { landmark: 7, sight }, LandmarkObservation { landmark: 99, sight }];
+//! let observed = Observed::RangeBearing { range: 5.0, bearing: 4_f64.atan2(3.0) };
+//! let seen = [LandmarkObservation { landmark: 7, observed }, LandmarkObservation { landmark: 99, observed }];
 //! let likelihood = LandmarkLikelihood::new(&map, &seen, &ObservationModel::default())?;
 //! assert_eq!(likelihood.unknown(), [seen[1]]);
 //! let there = likelihood.log_likelihood(Pose2::IDENTITY);
@@ -131,7 +131,7 @@ impl LandmarkLikelihood {
         model.check()?;
         let (mut placed, mut unknown) = (Vec::with_capacity(observations.len()), Vec::new());
         for observation in observations {
-            observation.sight.check()?;
+            observation.observed.check()?;
             match map.get(observation.landmark) {
                 Some(landmark) => {
                     placed.push(Placed {
@@ -182,7 +182,7 @@ impl LandmarkLikelihood {
     /// error.
     pub fn log_peak(&self) -> f64 {
         let without_error = |placed: &Placed| {
-            let range = placed.observation.sight.range();
+            let range = placed.observation.observed.range();
             let right = peak(range, placed, self.model());
             Density { right, wrong: wrong(placed, self.model()) }.ln()
         };
@@ -236,13 +236,13 @@ impl Density {
 fn density(placed: &Placed, model: &ObservationModel, pose: Pose2) -> Density {
     let camera = pose * model.mounting;
     let way = placed.landmark - camera.position();
-    let (expected, sight) = (way.norm(), placed.observation.sight);
+    let (expected, observed) = (way.norm(), placed.observation.observed);
     let mut right = peak(Some(expected), placed, model);
-    if let Some(range) = sight.range() {
+    if let Some(range) = observed.range() {
         right -= 0.5 * ((range - expected) / model.noise.range_sigma_at(expected)).powi(2);
     }
     // At a landmark its direction is undefined.
-    if let Some(bearing) = sight.bearing().filter(|_| expected > 0.0) {
+    if let Some(bearing) = observed.bearing().filter(|_| expected > 0.0) {
         let turn = angle::difference(bearing, way.y.atan2(way.x) - camera.theta);
         right -= 0.5 * (turn / model.noise.bearing_sigma).powi(2);
     }
@@ -256,7 +256,7 @@ fn peak(expected_range: Option<f64>, placed: &Placed, model: &ObservationModel) 
     let range = || normal(model.noise.range_sigma_at(expected_range.unwrap_or(0.0)));
     let bearing = || normal(model.noise.bearing_sigma);
     (1.0 - model.outlier_share).ln()
-        + match placed.observation.sight {
+        + match placed.observation.observed {
             Observed::RangeBearing { .. } => range() + bearing(),
             Observed::Range { .. } => range(),
             Observed::Bearing { .. } => bearing(),
@@ -265,7 +265,7 @@ fn peak(expected_range: Option<f64>, placed: &Placed, model: &ObservationModel) 
 
 /// Logarithm of the uniform density of outliers, times their share.
 fn wrong(placed: &Placed, model: &ObservationModel) -> f64 {
-    let reach = match placed.observation.sight {
+    let reach = match placed.observation.observed {
         Observed::RangeBearing { .. } => model.outlier_range * TAU,
         Observed::Range { .. } => model.outlier_range,
         Observed::Bearing { .. } => TAU,

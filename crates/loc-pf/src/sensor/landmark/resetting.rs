@@ -53,7 +53,7 @@ impl<'a> SensorResetting<'a> {
     fn fit<R: Rng + ?Sized>(&self, rng: &mut R) -> Option<Pose2> {
         let (first, second) = pick(self.likelihood.placed(), rng);
         let (first, second) = (self.blurred(first?, rng), second.map(|it| self.blurred(it, rng)));
-        let camera = match (first.sight, second) {
+        let camera = match (first.observed, second) {
             (Observed::RangeBearing { .. }, Some(second)) => two(&first, &second, rng),
             (Observed::Range { .. }, Some(second)) => two(&first, &second, rng),
             (Observed::RangeBearing { range, bearing }, None) => {
@@ -72,25 +72,25 @@ impl<'a> SensorResetting<'a> {
     /// An observation with additional noise.
     fn blurred<R: Rng + ?Sized>(&self, placed: &Placed, rng: &mut R) -> Blurred {
         let ObservationModel { noise, .. } = self.likelihood.model();
-        let sight = placed.observation.sight;
+        let observed = placed.observation.observed;
         let mut draw = |sigma: f64| -> f64 {
             let unit: f64 = StandardNormal.sample(rng);
             self.spread * sigma * unit
         };
-        let range = sight.range().map(|r| (r + draw(noise.range_sigma_at(r))).max(0.0));
-        let bearing = sight.bearing().map(|bearing| bearing + draw(noise.bearing_sigma));
-        let sight = match (range, bearing) {
+        let range = observed.range().map(|r| (r + draw(noise.range_sigma_at(r))).max(0.0));
+        let bearing = observed.bearing().map(|bearing| bearing + draw(noise.bearing_sigma));
+        let observed = match (range, bearing) {
             (Some(range), Some(bearing)) => Observed::RangeBearing { range, bearing },
             (Some(range), None) => Observed::Range { range },
             (None, bearing) => Observed::Bearing { bearing: bearing.unwrap_or(0.0) },
         };
-        Blurred { landmark: placed.landmark, sight }
+        Blurred { landmark: placed.landmark, observed }
     }
 }
 
 struct Blurred {
     landmark: Point2<f64>,
-    sight: Observed,
+    observed: Observed,
 }
 
 /// Two observations of different landmarks at random, or the only one. One with a distance comes
@@ -109,7 +109,7 @@ fn pick<'p, R: Rng + ?Sized>(
         return (Some(first), None);
     }
     let second = placed.iter().filter(differs).nth(rng.random_range(0..others));
-    let has_range = |placed: &Placed| placed.observation.sight.range().is_some();
+    let has_range = |placed: &Placed| placed.observation.observed.range().is_some();
     match (has_range(first), second) {
         (false, Some(second)) if has_range(second) => (Some(second), Some(first)),
         _ => (Some(first), second),
@@ -118,8 +118,8 @@ fn pick<'p, R: Rng + ?Sized>(
 
 /// A camera's pose from two observations, the first with a distance.
 fn two<R: Rng + ?Sized>(first: &Blurred, second: &Blurred, rng: &mut R) -> Option<Pose2> {
-    let range = first.sight.range()?;
-    match (first.sight.bearing(), second.sight.range(), second.sight.bearing()) {
+    let range = first.observed.range()?;
+    match (first.observed.bearing(), second.observed.range(), second.observed.bearing()) {
         (Some(bearing), Some(other_range), Some(other_bearing)) => {
             let seen = [(range, bearing), (other_range, other_bearing)];
             Some(fixed([first.landmark, second.landmark], seen))

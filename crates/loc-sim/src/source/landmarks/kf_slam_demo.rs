@@ -114,7 +114,7 @@ fn read_observations(file: &Path) -> Result<(BTreeMap<u32, Vec<LandmarkObservati
         Default::default();
     for row in table.rows() {
         let row = row?;
-        let sight =
+        let observed =
             Observed::RangeBearing { range: distance(&row, "range")?, bearing: row.number("yaw")? };
         if row.text(NUMBER)? == UNKNOWN {
             unknown += 1;
@@ -124,7 +124,7 @@ fn read_observations(file: &Path) -> Result<(BTreeMap<u32, Vec<LandmarkObservati
         groups
             .entry(whole(&row, "step")?)
             .or_default()
-            .push(LandmarkObservation { landmark, sight });
+            .push(LandmarkObservation { landmark, observed });
     }
     not_empty(groups.is_empty(), file, "observations")?;
     Ok((groups, unknown))

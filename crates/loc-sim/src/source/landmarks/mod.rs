@@ -122,8 +122,11 @@ impl LandmarkRecording {
                     let range = row.number("trans or range")?;
                     below_zero += usize::from(range < 0.0);
                     let bearing = row.number("rot2 or bearing")?;
-                    let sight = Observed::RangeBearing { range: range.max(0.0), bearing };
-                    seen.push(LandmarkObservation { landmark: whole(&row, "rot1 or id")?, sight });
+                    let observed = Observed::RangeBearing { range: range.max(0.0), bearing };
+                    seen.push(LandmarkObservation {
+                        landmark: whole(&row, "rot1 or id")?,
+                        observed,
+                    });
                 }
                 other => return Err(row.error("kind", "ODOMETRY or SENSOR", other).into()),
             }

@@ -136,8 +136,8 @@ fn read_numbered(folder: &Path) -> Result<Motions> {
             let expected = "a pose that the odometry leads to";
             return Err(row.error("pose", expected, row.text("pose")?).into());
         }
-        let sight = Observed::RangeBearing { range, bearing };
-        groups.entry(pose).or_default().push(LandmarkObservation { landmark, sight });
+        let observed = Observed::RangeBearing { range, bearing };
+        groups.entry(pose).or_default().push(LandmarkObservation { landmark, observed });
     }
     not_empty(groups.is_empty(), &file, "observations")?;
     let at = |(pose, seen)| stamps.get(&pose).map(|stamp| observations(*stamp, seen));
@@ -152,7 +152,7 @@ fn read_detected(folder: &Path) -> Result<Motions> {
     for row in table.rows() {
         let row = row?;
         // Bearings are counted from the right of the car.
-        let sight = Observed::RangeBearing {
+        let observed = Observed::RangeBearing {
             range: distance(&row, "range_m")?,
             bearing: row.number("bearing_rad")? - FRAC_PI_2,
         };
@@ -161,7 +161,7 @@ fn read_detected(folder: &Path) -> Result<Motions> {
             let expected = format!("the number of a scan below {MAX_SCANS}");
             return Err(row.error("scan_index", &expected, row.text("scan_index")?).into());
         }
-        groups.entry(scan).or_default().push(LandmarkObservation { landmark: 0, sight });
+        groups.entry(scan).or_default().push(LandmarkObservation { landmark: 0, observed });
     }
     not_empty(groups.is_empty(), &file, "detections")?;
     let stamp = |scan: u32| SCANS.0 + f64::from(scan) * SCANS.1;

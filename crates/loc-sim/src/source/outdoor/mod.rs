@@ -322,7 +322,7 @@ impl Sensors {
             let Radio { antenna, scale, offset } = &radio.sensor;
             let mut observations = antenna.observe(landmarks, now.pose, &mut radio.rng);
             for observation in &mut observations {
-                if let Observed::Range { range } = &mut observation.sight {
+                if let Observed::Range { range } = &mut observation.observed {
                     *range = (*scale * *range + *offset).max(0.0);
                 }
             }

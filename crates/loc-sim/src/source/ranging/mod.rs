@@ -105,6 +105,6 @@ impl Source for RangeRecording {
 
 /// One range to a beacon.
 fn range_event(stamp: f64, beacon: u32, range: f64) -> Event {
-    let observation = LandmarkObservation { landmark: beacon, sight: Observed::Range { range } };
+    let observation = LandmarkObservation { landmark: beacon, observed: Observed::Range { range } };
     Event::now(stamp, Payload::Measurement(Measurement::Landmarks(vec![observation])))
 }
