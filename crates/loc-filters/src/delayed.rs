@@ -29,7 +29,7 @@
 //!     }
 //!     fn estimate(&self, stamp: f64) -> loc_filters::Result<Estimate> {
 //!         let pose = Integration::ExactArc.step(self.pose, self.twist, stamp - self.stamp);
-//!         Ok(Estimate { pose, covariance: None, rail: None })
+//!         Ok(Estimate { pose, covariance: None, lost: None, rail: None })
 //!     }
 //! }
 //! impl Sequential for Integrator {

@@ -134,6 +134,9 @@ pub struct Estimate {
     pub pose: Pose2,
     /// Its covariance over (x, y, theta) \[m, m, rad\], where the method has one.
     pub covariance: Option<Matrix3<f64>>,
+    /// The probability that the robot is farther from this pose than a tolerance, whatever the
+    /// covariance says; `None` for a method that does not know it.
+    pub lost: Option<f64>,
     /// Position \[m\] and speed \[m/s\] along the rail, for a vehicle on one.
     pub rail: Option<Gaussian<2>>,
 }
@@ -144,11 +147,22 @@ impl Estimate {
         let covariance = self.covariance.unwrap_or_else(Matrix3::zeros);
         Gaussian { mean: self.pose.to_vector(), covariance }
     }
+
+    /// The same with the probability of being lost.
+    #[must_use]
+    pub fn with_lost(self, probability: f64) -> Self {
+        Estimate { lost: Some(probability), ..self }
+    }
 }
 
 impl From<Gaussian<3>> for Estimate {
     fn from(belief: Gaussian<3>) -> Self {
-        Estimate { pose: belief.pose(), covariance: Some(belief.covariance), rail: None }
+        Estimate {
+            pose: belief.pose(),
+            covariance: Some(belief.covariance),
+            lost: None,
+            rail: None,
+        }
     }
 }
 

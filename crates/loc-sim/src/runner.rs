@@ -223,7 +223,8 @@ impl Runner {
     fn finish(self, last: Option<&LastScan>) -> Result<MethodRecord> {
         let map = self.localizer.map()?;
         let beam_fit = last.zip(self.pose_at_scan).and_then(|(last, pose)| last.fit(pose));
-        Ok(MethodRecord { map, beam_fit, ..self.record })
+        let hypotheses = self.localizer.hypotheses();
+        Ok(MethodRecord { map, beam_fit, hypotheses, ..self.record })
     }
 }
 

@@ -111,7 +111,7 @@ fn on_rail(belief: Gaussian<2>) -> Estimate {
     let mut covariance = Matrix3::zeros();
     covariance[(0, 0)] = belief.covariance[(0, 0)];
     let pose = Pose2::new(belief.mean.x, 0.0, 0.0);
-    Estimate { pose, covariance: Some(covariance), rail: Some(belief) }
+    Estimate { pose, covariance: Some(covariance), lost: None, rail: Some(belief) }
 }
 
 impl Localizer for RailLocalizer {

@@ -310,6 +310,7 @@ impl Localizer for LinearSlamLocalizer {
         Ok(Estimate {
             pose: Pose2::new(robot.mean.x + ahead.x, robot.mean.y + ahead.y, self.heading),
             covariance: Some(covariance),
+            lost: None,
             rail: None,
         })
     }

@@ -32,7 +32,12 @@ impl Localizer for Hash {
     }
 
     fn estimate(&self, _stamp: f64) -> Result<Estimate> {
-        Ok(Estimate { pose: Pose2::new(self.0, 0.0, 0.0), covariance: None, rail: None })
+        Ok(Estimate {
+            pose: Pose2::new(self.0, 0.0, 0.0),
+            covariance: None,
+            lost: None,
+            rail: None,
+        })
     }
 }
 

@@ -9,7 +9,8 @@
 //! The files: this one has the filter, its update and its saved state; `belief` the particles with
 //! prediction, correction and resampling; `scan` the scans and the map prepared for the sensor
 //! model; `recovery` the search for the robot elsewhere; `range_offset` the estimate of a common
-//! range offset; `models` the interface of a motion and a sensor model; `settings` all settings; `state` what is kept over a restart.
+//! range offset; `models` the interface of a motion and a sensor model; `settings` all settings;
+//! `state` what is kept over a restart.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -420,7 +421,7 @@ impl<M: MotionModel, S: ScanModel> Localizer for Mcl<M, S> {
 
     /// The pose of the last update, moved by the odometry since.
     fn estimate(&self, _stamp: f64) -> loc_filters::Result<localizer::Estimate> {
-        Ok(self.belief().into())
+        Ok(localizer::Estimate::from(self.belief()).with_lost(self.lost()))
     }
 
     fn hypotheses(&self) -> Vec<Hypothesis> {

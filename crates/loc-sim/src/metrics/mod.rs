@@ -29,12 +29,14 @@
 //! # Ok::<(), loc_sim::Error>(())
 //! ```
 
+pub mod claims;
 pub mod consistency;
 mod evaluation;
 mod landmarks;
 mod spatial;
 mod summary;
 
+pub use claims::{Claims, HypothesisFigures};
 pub(crate) use consistency::pose_nees_with_freedom;
 pub use consistency::{Consistency, ConsistencyFigures, RunEvidence, pose_nees};
 pub use evaluation::{

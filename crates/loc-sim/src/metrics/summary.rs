@@ -1,8 +1,8 @@
 //! The figures of a run: what `summary.json` holds.
 
 use super::{
-    Alignment, LandmarkErrors, Pair, Statistics, Unit, aligned, ape_rotation, ape_translation,
-    landmark_errors, rpe_rotation, rpe_translation,
+    Alignment, Claims, LandmarkErrors, Pair, Statistics, Unit, aligned, ape_rotation,
+    ape_translation, landmark_errors, rpe_rotation, rpe_translation,
 };
 use crate::Result;
 use crate::record::{MethodRecord, Run};
@@ -43,6 +43,9 @@ pub struct MethodSummary {
     /// Mean normalised estimation error squared; 3 for a consistent covariance of a pose, 2
     /// where only true positions are known.
     pub nees_mean: Option<f64>,
+    /// The probability of being lost, the hypotheses, and the time sure and wrong.
+    #[serde(flatten)]
+    pub claims: Claims,
     /// Mean normalised innovation squared of the accepted measurements.
     pub nis_mean: Option<f64>,
     /// Accepted measurements.
@@ -119,6 +122,7 @@ impl MethodSummary {
         Ok(MethodSummary {
             errors,
             nees_mean: nees,
+            claims: Claims::of(run, record),
             nis_mean: mean(accepted().filter_map(|outcome| outcome.value.nis)),
             measurements_used: used,
             measurements_rejected: record.outcomes.len() - used,

@@ -1,14 +1,26 @@
 //! The tables that a run prints: errors of the methods, the lectures' comparison, final beliefs.
 
-use crate::metrics::{MethodSummary, PlanarErrors, Summary};
+use crate::metrics::{Claims, MethodSummary, PlanarErrors, Summary};
 use crate::record::{MethodRecord, Run};
 use loc_core::kinematics::Kurt2Pose;
 
-pub(super) const COLUMNS: [&str; 7] =
-    ["ATE [m]", "max [m]", "end [m]", "head [deg]", "NEES", "used", "rejected"];
+/// The columns with their widths.
+pub(super) const COLUMNS: [(&str, usize); 8] = [
+    ("ATE [m]", 8),
+    ("max [m]", 8),
+    ("end [m]", 8),
+    ("head [deg]", 11),
+    ("NEES", 8),
+    ("lost", 6),
+    ("used", 7),
+    ("rejected", 9),
+];
 
 /// The least width of the column of the methods; the whole table has then 80 columns.
 const METHOD: usize = 15;
+
+/// How many doubtful spans of a method are printed.
+const SPANS: usize = 3;
 
 /// The methods with their errors, 80 columns wide but for methods with long names, without a line
 /// break at its end.
@@ -16,11 +28,12 @@ pub fn table(summary: &Summary) -> String {
     let mut lines = vec![heading(summary)];
     let longest = summary.methods.iter().map(|(name, _)| name.len() + 1).max();
     let first = longest.unwrap_or(0).max(METHOD);
-    let names = COLUMNS.map(|name| format!("{name:>width$}", width = width(name))).concat();
+    let names = COLUMNS.map(|(name, width)| format!("{name:>width$}")).concat();
     lines.push(format!("{:<first$}{names}", "method"));
     lines.extend(summary.methods.iter().map(|(name, method)| row(name, first, method)));
     lines.extend(summary.methods.iter().filter_map(|(name, method)| map_line(name, method)));
     lines.extend(summary.methods.iter().filter_map(|(name, method)| fit_line(name, method)));
+    lines.extend(summary.methods.iter().flat_map(|(name, method)| claim_lines(name, method)));
     lines.extend(summary.notes.iter().map(|note| format!("note: {note}")));
     lines.join("\n")
 }
@@ -48,6 +61,7 @@ pub(super) fn cells(method: &MethodSummary) -> [String; COLUMNS.len()] {
         cell(3, |errors| Some(errors.final_error_m)),
         cell(2, |errors| errors.heading_rmse_deg),
         nees(method),
+        method.claims.lost_mean.map_or("-".into(), |lost| format!("{lost:.2}")),
         method.measurements_used.to_string(),
         method.measurements_rejected.to_string(),
     ]
@@ -82,15 +96,33 @@ fn fit_line(name: &str, method: &MethodSummary) -> Option<String> {
     Some(format!("{name}: {share:.1} % of the last scan's beams end within 12 cm of a wall"))
 }
 
-fn row(name: &str, first: usize, method: &MethodSummary) -> String {
-    let cells = COLUMNS.iter().zip(cells(method));
-    let cells: String =
-        cells.map(|(name, cell)| format!("{cell:>width$}", width = width(name))).collect();
-    format!("{name:<first$}{cells}")
+/// When a method doubted its own estimate, and whether it was sure of a wrong one.
+fn claim_lines(name: &str, method: &MethodSummary) -> Vec<String> {
+    let Claims { doubtful_s: doubtful, sure_and_wrong_s: wrong, hypotheses, .. } = &method.claims;
+    let mut lines = Vec::new();
+    let spans: Vec<String> =
+        doubtful.iter().take(SPANS).map(|[from, to]| format!("{from:.1} to {to:.1} s")).collect();
+    if !spans.is_empty() {
+        let more = doubtful.len() - spans.len();
+        let more = if more > 0 { format!(" and {more} times later") } else { String::new() };
+        lines.push(format!("{name}: doubtful from {}{more}", spans.join(", ")));
+    }
+    if let [first, second, ..] = hypotheses[..] {
+        let count = hypotheses.len();
+        let (first, second) = (first.share, second.share);
+        lines
+            .push(format!("{name}: {count} hypotheses at the end, {first:.2} and {second:.2} ..."));
+    }
+    if let Some(wrong) = wrong.filter(|wrong| *wrong > 0.0) {
+        lines.push(format!("{name}: sure and wrong for {wrong:.1} s"));
+    }
+    lines
 }
 
-fn width(column: &str) -> usize {
-    column.len().max(6) + 2
+fn row(name: &str, first: usize, method: &MethodSummary) -> String {
+    let cells = COLUMNS.iter().zip(cells(method));
+    let cells: String = cells.map(|((_, width), cell)| format!("{cell:>width$}")).collect();
+    format!("{name:<first$}{cells}")
 }
 
 /// What the methods believe at the end, a line each: for vehicles on a rail, and in the frame of

@@ -11,7 +11,7 @@ use crate::source::{OdometryTiming, SensorTruth, Setup};
 use loc_core::{Pose2, Stamped};
 use loc_filters::line_matching::LineUpdate;
 use loc_filters::localizer::{
-    Estimate, EstimatedMap, GridBelief, Outcome, ParticleSet, SensorError,
+    Estimate, EstimatedMap, GridBelief, Hypothesis, Outcome, ParticleSet, SensorError,
 };
 use loc_sensors::event::Truth;
 use std::borrow::Cow;
@@ -55,6 +55,8 @@ pub struct MethodRecord {
     pub smoothed: bool,
     /// Its estimates, one for each stamp of the run.
     pub estimates: Vec<Estimate>,
+    /// Its hypotheses at the end, of a method that has several.
+    pub hypotheses: Vec<Hypothesis>,
     /// Its outcomes on the measurements, with their stamps \[s\].
     pub outcomes: Vec<Stamped<Outcome>>,
     /// Its estimates of the errors of its sensors, for each stamp of the run; empty for a method
@@ -85,6 +87,7 @@ impl MethodRecord {
             global: false,
             smoothed: false,
             estimates: Vec::new(),
+            hypotheses: Vec::new(),
             outcomes: Vec::new(),
             sensor_errors: Vec::new(),
             snapshots: Snapshots::new(setup.kidnapped_at),

@@ -103,7 +103,7 @@ fn script(player: &Player) -> String {
 
 fn html_table(summary: &Summary) -> String {
     let mut html = String::from("<div class=\"wide\"><table>\n<tr><th scope=\"col\">method</th>");
-    for column in COLUMNS {
+    for (column, _) in COLUMNS {
         let _ = write!(html, "<th scope=\"col\">{}</th>", escape(column));
     }
     html.push_str("</tr>\n");

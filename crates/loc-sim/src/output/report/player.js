@@ -264,6 +264,7 @@
       chart($("#errors"), "distance from the truth [m]", of("error"), [], true),
       chart($("#headings"), "heading error [deg]", of("heading").map(([m, v]) => [m, Array.from(v, Math.abs)]), [], true),
       chart($("#nees"), "NEES (3 is honest; 95 % lie below 7.8)", of("nees"), [3, 7.81], true),
+      chart($("#lost"), "probability of being lost (doubtful from 0.5 on)", of("lost"), [0.5], false),
       chart($("#counts"), "particles", of("particle_count"), [], false),
     ].filter(Boolean);
   };
@@ -279,6 +280,7 @@
     const t = focus.track, kidnapped = run.kidnapped_at !== null && run.stamps[k] >= run.kidnapped_at ? ", after the kidnapping" : "";
     now.textContent = `${focus.name} at (${fixed(t.x[k], 2)}, ${fixed(t.y[k], 2)}) m, ${fixed(t.theta[k] * 180 / Math.PI, 1)}°`
       + (focus.error.length ? `, off by ${fixed(focus.error[k], 3)} m and ${fixed(focus.heading[k], 2)}°, NEES ${fixed(focus.nees[k], 2)}` : "")
+      + (focus.lost ? `, lost ${fixed(focus.lost[k], 2)}` : "")
       + (focus.particle_count ? `, ${focus.particle_count[k]} particles` : "")
       + (focus.hypotheses ? ` in ${focus.hypotheses.counts[k]} cluster${focus.hypotheses.counts[k] === 1 ? "" : "s"}` : "") + kidnapped;
   };

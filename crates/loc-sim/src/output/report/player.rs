@@ -70,6 +70,8 @@ struct MethodData {
     /// Heading off the truth \[deg\].
     heading: Blob,
     nees: Blob,
+    /// The probability of being lost, of a method that gives one.
+    lost: Option<Blob>,
     /// How many particles there were.
     particle_count: Option<Blob>,
     particles: Option<Particles>,
@@ -166,6 +168,10 @@ impl MethodData {
                 Some(off).filter(|_| moments.run.truth_has_heading)
             }),
             nees: judged(&|e, truth| Some(moments.run.nees(e, truth)?.1)),
+            lost: estimates.iter().any(|estimate| estimate.lost.is_some()).then(|| {
+                let lost = estimates.iter().map(|e| e.lost.map_or(f32::NAN, |lost| lost as f32));
+                Blob::f32(&lost.collect::<Vec<_>>())
+            }),
             particle_count: counts.iter().any(|count| *count > 0).then(|| Blob::u32(&counts)),
             particles: Particles::of(&inside().map(|inside| &inside.particles), bounds),
             weighed: Particles::of(&inside().map(|inside| &inside.weighed), bounds),

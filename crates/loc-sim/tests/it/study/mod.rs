@@ -269,8 +269,9 @@ fn a_row_has_the_figures_of_the_summary() {
     }
     assert!(!rows[0].contains(&"runtime_s"), "times are no part of what must be the same");
     let names = |json: &serde_json::Value| json["methods"]["ekf"].as_object().unwrap().len();
-    // All figures but two of time, and settings, seed, method, success, duration, distance, error.
-    assert_eq!(rows[0].len(), names(&json) - 2 + 7);
+    // All figures but two of time and two lists, and settings, seed, method, success, duration,
+    // distance, error.
+    assert_eq!(rows[0].len(), names(&json) - 2 - 2 + 7);
     let times = fs::read_to_string(folder.path().join("times.csv")).unwrap();
     assert!(times.starts_with(
         "filter.robot.integration,seed,method,runtime_s,realtime_factor\neuler,1,ekf,"
