@@ -2,7 +2,7 @@
 
 use super::GridRay;
 use super::traversal::fan;
-use crate::grid::{Cell, GridFrame, OCCUPIED_FROM, OccupancyGrid};
+use crate::grid::{Cell, GridFrame, OCCUPIED_FROM, Occupancy, OccupancyGrid};
 use loc_sensors::world::RangeWorld;
 use nalgebra::Point2;
 
@@ -24,10 +24,19 @@ pub struct RayCaster {
 impl RayCaster {
     /// Prepares the occupied cells of a grid.
     pub fn new(grid: &OccupancyGrid) -> Self {
+        RayCaster::stopping_at(grid, |value| value >= OCCUPIED_FROM)
+    }
+
+    /// The same for rays that stop at unknown cells as well: within the known free space.
+    pub fn within_known(grid: &OccupancyGrid) -> Self {
+        RayCaster::stopping_at(grid, |value| Occupancy::of(value) != Occupancy::Free)
+    }
+
+    fn stopping_at(grid: &OccupancyGrid, stops: impl Fn(i8) -> bool) -> Self {
         let frame = *grid.frame();
         let longest = frame.width().max(frame.height()) + 4 * MARGIN;
         let fraction_bits = 58 - longest.ilog2();
-        let lines = [BitLines::rows(grid), BitLines::columns(grid)];
+        let lines = [BitLines::rows(grid, &stops), BitLines::columns(grid, &stops)];
         RayCaster { frame, lines, fraction_bits }
     }
 
@@ -153,13 +162,13 @@ struct BitLines {
 
 impl BitLines {
     /// The rows of a grid.
-    fn rows(grid: &OccupancyGrid) -> Self {
-        BitLines::new(grid, grid.width(), grid.height(), |cell| (cell.column, cell.row))
+    fn rows(grid: &OccupancyGrid, stops: impl Fn(i8) -> bool) -> Self {
+        BitLines::new(grid, grid.width(), grid.height(), |cell| (cell.column, cell.row), stops)
     }
 
     /// The columns of a grid.
-    fn columns(grid: &OccupancyGrid) -> Self {
-        BitLines::new(grid, grid.height(), grid.width(), |cell| (cell.row, cell.column))
+    fn columns(grid: &OccupancyGrid, stops: impl Fn(i8) -> bool) -> Self {
+        BitLines::new(grid, grid.height(), grid.width(), |cell| (cell.row, cell.column), stops)
     }
 
     fn new(
@@ -167,6 +176,7 @@ impl BitLines {
         length: usize,
         count: usize,
         place: impl Fn(Cell) -> (usize, usize),
+        stops: impl Fn(i8) -> bool,
     ) -> Self {
         let stride = (length + 2 * MARGIN).div_ceil(8) + 8;
         let count = count.next_multiple_of(GROUP) + 2 * GROUP;
@@ -174,7 +184,7 @@ impl BitLines {
         for (cell, value) in grid.iter() {
             let (along, line) = place(cell);
             let (along, line) = (along + MARGIN, line + GROUP);
-            if value < OCCUPIED_FROM {
+            if !stops(value) {
                 lines[line * stride + along / 8] &= !(1 << (along % 8));
             }
         }

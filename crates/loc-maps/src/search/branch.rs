@@ -69,6 +69,26 @@ impl Search<'_> {
         }
     }
 
+    /// About `max` of the poses at most `within` below the best one, in the order of heading and
+    /// cell, and for how many each stands.
+    ///
+    /// Which ones are kept depends on a number mixed from the pose only, not on the order of the
+    /// search.
+    pub(super) fn ties(&self, max: usize) -> (Vec<GridPose>, u32) {
+        let zones = Zones::new(self.settings, self.frame, self.rotated.headings());
+        let threshold = Threshold::new(self.min_sum, self.within);
+        let mut bounds = TopBounds::new(&self.pyramid.top, self.rotated, self.threads);
+        let mut leaves = Leaves::sampled(max);
+        while bounds.highest_left().is_some_and(|left| left >= threshold.get()) {
+            let batch = bounds.next_batch(threshold.get());
+            self.expand_all(&batch, &zones, &threshold, &mut leaves);
+        }
+        leaves.shrink(&threshold);
+        let mut kept = leaves.leaves;
+        kept.sort_unstable_by_key(|leaf| leaf.at.0);
+        (kept.into_iter().map(|leaf| self.answer(leaf)).collect(), 1 << leaves.thinned.unwrap_or(0))
+    }
+
     fn answer(&self, leaf: Leaf) -> GridPose {
         let Reverse([heading, index]) = leaf.at;
         let width = self.frame.width() as u32;
@@ -84,7 +104,8 @@ impl Search<'_> {
         leaves: &mut Leaves,
     ) {
         let capacity = leaves.capacity();
-        let mut parts: Vec<Leaves> = batch.chunks(PART).map(|_| Leaves::new(capacity)).collect();
+        let empty = |_| Leaves { leaves: Vec::new(), capacity, thinned: leaves.thinned };
+        let mut parts: Vec<Leaves> = batch.chunks(PART).map(empty).collect();
         self.threads.for_each(batch.chunks(PART).zip(&mut parts), |(batch, leaves)| {
             let (stack, starts) = (Vec::new(), Vec::new());
             let expansion =
@@ -285,6 +306,17 @@ pub(super) struct Leaf {
     pub(super) at: Reverse<[u32; 2]>,
 }
 
+impl Leaf {
+    /// Whether it is one of the 2^-k of all poses that are kept.
+    fn is_one_of(&self, k: u32) -> bool {
+        let Reverse([heading, index]) = self.at;
+        let mixed =
+            (u64::from(heading) << 32 | u64::from(index)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (mixed ^ mixed >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93) >> (64 - k.clamp(1, 63)) == 0
+            || k == 0
+    }
+}
+
 /// The smallest sum that can still be an answer; it only rises, from any thread.
 #[derive(Debug)]
 pub(super) struct Threshold {
@@ -323,11 +355,18 @@ pub(super) struct Leaves {
     leaves: Vec<Leaf>,
     /// More than these are never needed.
     capacity: usize,
+    /// `Some(k)` where one of 2^k poses is kept, whatever their sums; `None` where the best are.
+    thinned: Option<u32>,
 }
 
 impl Leaves {
     pub(super) fn new(capacity: usize) -> Self {
-        Leaves { leaves: Vec::new(), capacity }
+        Leaves { leaves: Vec::new(), capacity, thinned: None }
+    }
+
+    /// Leaves of which an even sample is kept.
+    pub(super) fn sampled(capacity: usize) -> Self {
+        Leaves { leaves: Vec::new(), capacity, thinned: Some(0) }
     }
 
     #[inline(always)]
@@ -347,6 +386,14 @@ impl Leaves {
     fn shrink(&mut self, threshold: &Threshold) {
         let min_sum = threshold.get();
         self.leaves.retain(|leaf| leaf.sum >= min_sum);
+        if let Some(thinned) = &mut self.thinned {
+            self.leaves.retain(|leaf| leaf.is_one_of(*thinned));
+            while self.leaves.len() > self.capacity {
+                *thinned += 1;
+                self.leaves.retain(|leaf| leaf.is_one_of(*thinned));
+            }
+            return;
+        }
         if self.leaves.len() > self.capacity {
             let index = self.capacity - 1;
             let (_, last, _) = self.leaves.select_nth_unstable_by(index, |a, b| b.cmp(a));
@@ -356,6 +403,7 @@ impl Leaves {
     }
 
     pub(super) fn append(&mut self, other: Leaves, threshold: &Threshold) {
+        self.thinned = self.thinned.max(other.thinned);
         self.leaves.extend(other.leaves);
         self.shrink(threshold);
     }

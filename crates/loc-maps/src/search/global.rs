@@ -112,6 +112,16 @@ impl Candidate {
     }
 }
 
+/// A sample of all poses that are about as good as the best one, see
+/// [`GlobalSearch::ties`](super::GlobalSearch::ties).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ties {
+    /// The poses, evenly from all of them.
+    pub poses: Vec<Pose2>,
+    /// The volume of all of them, with those that are not handed out \[m^2 rad\].
+    pub volume: f64,
+}
+
 /// A map prepared for searches.
 #[derive(Debug)]
 pub struct GlobalSearch {
@@ -170,23 +180,8 @@ impl GlobalSearch {
     /// [`loc_core::Error::Length`] for a scan without beams, or with more than 2^24 of them, or
     /// 2^27 over the number of headings.
     pub fn search(&self, endpoints: &Endpoints) -> Result<Vec<Candidate>> {
-        let headings = self.settings.headings();
-        if endpoints.is_empty() || endpoints.len() > MAX_BEAMS.min(MAX_ENDS / headings) {
-            let expected = "1 to 2^24, and no more than 2^27 / headings";
-            let (what, found) = ("beams of a global search", endpoints.len());
-            return Err(loc_core::Error::Length { what, expected, found }.into());
-        }
-        let rotated = RotatedScan::new(endpoints, self.field.frame(), headings);
-        let search = Search {
-            pyramid: &self.pyramid,
-            rotated: &rotated,
-            frame: self.field.frame(),
-            settings: &self.settings,
-            threads: &self.threads,
-            min_sum: self.min_sum(endpoints.len()),
-            within: (self.settings.within / self.field.code_step() * endpoints.len() as f64) as u32,
-        };
-        let answers = search.run();
+        let rotated = self.rotated(endpoints)?;
+        let answers = self.search_for(&rotated, endpoints.len()).run();
         let poses = answers.iter().map(|answer| self.pose(answer));
         if !self.settings.refine {
             return Ok(poses.map(|pose| Candidate::rate(&self.field, pose, endpoints)).collect());
@@ -194,6 +189,22 @@ impl GlobalSearch {
         let mut refined: Vec<Candidate> = poses.map(|pose| self.refine(pose, endpoints)).collect();
         refined.sort_by(|a, b| b.log_likelihood.total_cmp(&a.log_likelihood));
         Ok(refined)
+    }
+
+    /// A sample of all poses of the search's grid at which the scan is at most `drop` \[nats\] less
+    /// likely than at the best one, whatever their number: of a scan that sees one bare wall, a
+    /// continuum. At most about `max` are handed out, spread evenly over all of them.
+    ///
+    /// # Errors
+    /// As [`GlobalSearch::search`].
+    pub fn ties(&self, endpoints: &Endpoints, drop: f64, max: usize) -> Result<Ties> {
+        let rotated = self.rotated(endpoints)?;
+        let within = (drop / self.field.code_step()) as u32;
+        let search = Search { within, ..self.search_for(&rotated, endpoints.len()) };
+        let (ties, every) = search.ties(max);
+        let [cell, turn] = [self.field.frame().resolution(), TAU / self.settings.headings() as f64];
+        let volume = ties.len() as f64 * f64::from(every) * cell * cell * turn;
+        Ok(Ties { poses: ties.iter().map(|tie| self.pose(tie)).collect(), volume })
     }
 
     /// The likely poses at the last of several scans: each comes with the pose of the robot when it
@@ -219,6 +230,29 @@ impl GlobalSearch {
             points.map(|(&x, &y)| pose.transform(&Point2::new(f64::from(x), f64::from(y))))
         });
         self.search(&ends.map(|end| [end.x, end.y]).collect())
+    }
+
+    /// A scan at all headings.
+    fn rotated(&self, endpoints: &Endpoints) -> Result<RotatedScan> {
+        let headings = self.settings.headings();
+        if endpoints.is_empty() || endpoints.len() > MAX_BEAMS.min(MAX_ENDS / headings) {
+            let expected = "1 to 2^24, and no more than 2^27 / headings";
+            let (what, found) = ("beams of a global search", endpoints.len());
+            return Err(loc_core::Error::Length { what, expected, found }.into());
+        }
+        Ok(RotatedScan::new(endpoints, self.field.frame(), headings))
+    }
+
+    fn search_for<'a>(&'a self, rotated: &'a RotatedScan, beams: usize) -> Search<'a> {
+        Search {
+            pyramid: &self.pyramid,
+            rotated,
+            frame: self.field.frame(),
+            settings: &self.settings,
+            threads: &self.threads,
+            min_sum: self.min_sum(beams),
+            within: (self.settings.within / self.field.code_step() * beams as f64) as u32,
+        }
     }
 
     /// The smallest sum of codes that the settings allow.

@@ -61,4 +61,4 @@ mod branch;
 mod global;
 mod pyramid;
 
-pub use global::{Candidate, GlobalSearch, SearchSettings};
+pub use global::{Candidate, GlobalSearch, SearchSettings, Ties};

@@ -178,3 +178,24 @@ fn a_fan_is_its_rays() {
     }
     assert!(ranges.iter().any(|range| range.is_finite()));
 }
+
+/// Rays in the known space stop at unknown cells as at obstacles, and at nothing else.
+#[test]
+fn rays_in_the_known_space_end_where_it_ends() {
+    let mut grid = pillar(0.3);
+    let frame = *grid.frame();
+    (0..frame.height()).for_each(|row| grid.set(Cell::new(1, row), -1).unwrap());
+    let mut walls = grid.clone();
+    (0..frame.height()).for_each(|row| walls.set(Cell::new(1, row), 100).unwrap());
+    let (known, all, free) =
+        (RayCaster::within_known(&grid), RayCaster::new(&walls), RayCaster::new(&grid));
+    let origin = frame.center(Cell::new(3, 1));
+    let mut stopped = 0;
+    for k in 0..360 {
+        let direction = f64::from(k).to_radians();
+        let range = known.cast(&origin, direction, 50.0);
+        assert_eq!(range, all.cast(&origin, direction, 50.0));
+        stopped += u32::from(range != free.cast(&origin, direction, 50.0));
+    }
+    assert!(stopped > 50, "{stopped}");
+}

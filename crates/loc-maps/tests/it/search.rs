@@ -164,6 +164,41 @@ fn ties_are_broken_as_by_brute_force() {
     }
 }
 
+/// All poses within some nats of the best one, none more than once; a sample of them where there
+/// are too many, which says how many there are.
+#[test]
+fn all_ties_are_found_or_counted() {
+    let mut rng = stream(7, "ties");
+    for size in [[37, 23], [65, 33], [16, 70]] {
+        let map = random_map(size, &mut rng);
+        let settings_of_field = LikelihoodFieldSettings::nav2().max_distance(0.5);
+        let field = LikelihoodField::new(&map, &settings_of_field).unwrap();
+        let search = GlobalSearch::new(&map, field.clone(), settings(5)).unwrap();
+        for (beams, drop) in [(1, 0.4), (3, 1.0), (20, 3.0), (20, 0.0)] {
+            let endpoints = random_ends(beams, 2.0, &mut rng);
+            let all = rate_all(&map, &field, &endpoints, 60);
+            let floor = all[0].0 - (drop / field.code_step()) as u64;
+            let expected: Vec<Pose2> =
+                all.iter().filter(|(sum, _)| *sum >= floor).map(|(_, pose)| *pose).collect();
+            let pose_volume = 0.1 * 0.1 * TAU / 60.0;
+            let volume = expected.len() as f64 * pose_volume;
+
+            let ties = search.ties(&endpoints, drop, usize::MAX).unwrap();
+            assert_eq!(ties.poses.len(), expected.len(), "{beams} beams, {drop}");
+            assert!((ties.volume - volume).abs() < 1e-9);
+            let is_expected = |pose: &Pose2| expected.iter().any(|other| same(pose, other));
+            assert!(ties.poses.iter().all(is_expected));
+
+            let sample = search.ties(&endpoints, drop, 200).unwrap();
+            assert!(sample.poses.len() <= 200 && sample.poses.iter().all(is_expected));
+            if expected.len() > 400 {
+                assert!(sample.poses.len() >= 50, "{}", sample.poses.len());
+                assert!((sample.volume / volume - 1.0).abs() < 0.35, "{}", sample.volume / volume);
+            }
+        }
+    }
+}
+
 /// Many small searches: equal sums on both sides of a lot of windows, and zones that hold whole
 /// windows.
 #[test]

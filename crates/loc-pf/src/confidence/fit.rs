@@ -8,6 +8,7 @@ use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
 use loc_maps::{LikelihoodField, OccupancyGrid, RayCaster};
 use loc_sensors::laser::Beam;
 use loc_sensors::world::RangeWorld;
+use nalgebra::Point2;
 use rand::Rng;
 
 /// Evidence of a scan for and against the reported pose; all numbers are shares in \[0, 1\].
@@ -51,6 +52,8 @@ impl ScanFit<'_> {
 #[derive(Debug, Clone)]
 pub struct ScanRater {
     walls: RayCaster,
+    /// Its rays stop where the known space ends.
+    known: RayCaster,
     field: LikelihoodField,
     /// The random poses, and one more element for the reported one.
     poses: Particles,
@@ -70,6 +73,15 @@ impl ScanRater {
     /// A beam counts as near when it ends at such a distance from the nearest obstacle \[m\].
     pub const NEAR: [f64; 2] = [0.2, 0.5];
 
+    /// A beam leaves the map if it runs at least this far through unknown space \[m\] ..
+    pub const INTO: f64 = 0.3;
+
+    /// .. and ends farther than this from any obstacle \[m\].
+    pub const AT_WALL: f64 = 0.3;
+
+    /// A scan is not rated if fewer than this share of its beams end on the map.
+    pub const MIN_SHARE: f64 = 0.2;
+
     /// A rater for scans taken in a map.
     ///
     /// # Errors
@@ -80,7 +92,8 @@ impl ScanRater {
         let mut poses = Particles::from_poses((0..Self::POSES).map(draw));
         poses.push(Pose2::IDENTITY, 0.0);
         let field = LikelihoodField::new(map, &LikelihoodFieldSettings::nav2())?;
-        Ok(ScanRater { walls: RayCaster::new(map), field, poses, shares: Vec::new() })
+        let (walls, known) = (RayCaster::new(map), RayCaster::within_known(map));
+        Ok(ScanRater { walls, known, field, poses, shares: Vec::new() })
     }
 
     /// Rates the scans of all lasers; `None` without valid beams.
@@ -99,6 +112,11 @@ impl ScanRater {
         for &MountedScan { scan, mounting } in scans {
             beams.extend(scan.thinned(Self::BEAMS).into_iter().map(|beam| (mounting, beam)));
         }
+        let count = beams.len();
+        beams.retain(|(mounting, beam)| !self.leaves_map(reported * *mounting, beam));
+        if (beams.len() as f64) < Self::MIN_SHARE * count as f64 {
+            return None;
+        }
         let end = |&(mounting, beam): &(Pose2, Beam)| mounting.transform(&beam.point()).coords;
         let endpoints: Endpoints = beams.iter().map(|beam| <[f64; 2]>::from(end(beam))).collect();
         let blocked = workers.map(beams.chunks(TOGETHER), |beams| {
@@ -112,6 +130,24 @@ impl ScanRater {
         let (here, elsewhere) = self.shares.split_last()?;
         let (blocked, near) = (share(blocked), share(around.saturating_sub(on)));
         here.is_finite().then_some(ScanFit { here: *here, elsewhere, blocked, near })
+    }
+
+    /// Whether a beam of a laser ends in unknown space, before any obstacle of the map and near
+    /// none: the map says nothing about where it should end.
+    pub fn leaves_map(&self, laser: Pose2, beam: &Beam) -> bool {
+        let (origin, direction) = (laser.position(), laser.theta + beam.angle);
+        let (sin, cos) = direction.sin_cos();
+        let end = Point2::new(origin.x + beam.range * cos, origin.y + beam.range * sin);
+        let free = beam.range - Self::INTO;
+        let is_known = self.known.cast(&origin, direction, free).is_none()
+            && self.known.frame().cell_at(&end).is_some();
+        !is_known && !self.is_at_wall(&end) && self.walls.cast(&origin, direction, free).is_none()
+    }
+
+    /// Whether an obstacle is near a point.
+    fn is_at_wall(&self, point: &Point2<f64>) -> bool {
+        let limit = self.field.settings().likelihood(Self::AT_WALL).ln();
+        self.field.log_likelihood_at(point) >= limit
     }
 
     fn is_blocked(&self, reported: Pose2, &(mounting, beam): &(Pose2, Beam)) -> bool {

@@ -23,7 +23,7 @@ pub use clusters::{Cluster, ClusterSettings, Clusterer, PoseSource};
 
 use crate::workers::PART;
 use crate::{Particles, Poses, Workers};
-use loc_core::Gaussian;
+use loc_core::{Gaussian, angle};
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
@@ -42,6 +42,25 @@ impl Estimate {
     /// Share of the heaviest cluster; 0 without particles.
     pub fn share(&self) -> f64 {
         self.clusters.first().map_or(0.0, |cluster| cluster.share)
+    }
+
+    /// The reported pose with the second moments of the whole belief about it: of a belief with
+    /// several clusters, how far the robot may be from the pose. Between clusters, position and
+    /// heading are taken as uncorrelated: of opposite headings, either turn is the difference.
+    pub fn whole(&self) -> Gaussian<3> {
+        let Gaussian { mean, .. } = self.belief;
+        let parts = self.clusters.iter().map(|Cluster { share, belief, .. }| {
+            let mut apart = belief.mean - mean;
+            apart.z = angle::wrap(apart.z);
+            let mut between = apart * apart.transpose();
+            for k in 0..2 {
+                (between[(k, 2)], between[(2, k)]) = (0.0, 0.0);
+            }
+            (belief.covariance + between) * *share
+        });
+        parts
+            .reduce(|sum, part| sum + part)
+            .map_or(self.belief, |sum| Gaussian { mean, covariance: sum })
     }
 }
 

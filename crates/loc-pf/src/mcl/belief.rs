@@ -1,5 +1,6 @@
 //! The belief: the particles, with prediction, correction, resampling and injection.
 
+use super::recovery::Spread;
 use super::scan::PreparedMap;
 use super::{MclSettings, UpdateReport};
 use crate::filter::Weighing;
@@ -24,7 +25,6 @@ pub(super) struct Belief {
     kld: Kld,
     resampling: Resampling,
     policy: ResamplePolicy,
-    independent_beams: f64,
     tempering: Option<Tempering>,
     /// For particles around the candidates of a search.
     pub(super) search_tempering: Tempering,
@@ -34,6 +34,8 @@ pub(super) struct Belief {
     pub(super) has_seen: bool,
     pub(super) is_anywhere: bool,
     pub(super) updates_since_resampling: usize,
+    /// Whether the particles were several clusters after the last update.
+    pub(super) is_divided: bool,
 }
 
 impl Belief {
@@ -52,7 +54,6 @@ impl Belief {
             kld: Kld::new(settings.particles.clone())?,
             resampling: settings.resampling,
             policy: settings.policy,
-            independent_beams: settings.independent_beams,
             tempering: settings.tempering.map(Tempering::new).transpose()?,
             search_tempering: Tempering::default(),
             suspicion: suspicion.map(|s| Suspicion::new(s, usual, area)).transpose()?,
@@ -60,6 +61,7 @@ impl Belief {
             has_seen: false,
             is_anywhere: true,
             updates_since_resampling: 0,
+            is_divided: false,
         })
     }
 
@@ -74,10 +76,13 @@ impl Belief {
         step: &Step<impl Motion + Transport>,
         scan: &impl Likelihood,
         endpoints: &Endpoints,
+        exponent: f64,
         map: &PreparedMap,
     ) -> UpdateReport {
-        let is_lost = self.awaits_first_scan();
-        self.has_seen = true;
+        let is_first = self.awaits_first_scan();
+        // A scan without usable beams is not seen: the first one with some is still the first.
+        self.has_seen |= !endpoints.is_empty();
+        let is_lost = is_first && self.has_seen;
         let found = if is_lost { self.search_map(map, scan, endpoints) } else { None };
         let (report, searched) = match found {
             Some(found) => {
@@ -87,7 +92,7 @@ impl Belief {
             None => (self.track(step, scan), false),
         };
         if !is_lost {
-            self.update_suspicion(report.log_evidence, endpoints.len());
+            self.update_suspicion(report.log_evidence, exponent * endpoints.len() as f64);
             self.inject(report.log_evidence, map);
         }
         let TemperingReport { stages, log_evidence } = report;
@@ -102,32 +107,27 @@ impl Belief {
         step: &Step<impl Motion + Transport>,
         scan: &impl Likelihood,
     ) -> TemperingReport {
-        match &mut self.tempering {
-            Some(tempering) => {
-                let count = self.filter.count_needed(&mut self.kld);
-                let report = tempering.update(&mut self.filter, step, scan, count);
-                self.shrink(count);
-                report
+        if self.tempering.is_none() {
+            self.filter.predict(step);
+            let Weighing { log_evidence, effective_sample_size } = self.filter.correct(scan);
+            self.updates_since_resampling += 1;
+            let (updates, count) = (self.updates_since_resampling, self.filter.particles().len());
+            if self.policy.is_due(updates, effective_sample_size, count) {
+                self.filter.resample_adaptively(self.resampling, &mut self.kld);
+                self.updates_since_resampling = 0;
             }
-            None => {
-                self.filter.predict(step);
-                let Weighing { log_evidence, effective_sample_size } = self.filter.correct(scan);
-                self.updates_since_resampling += 1;
-                let (updates, count) =
-                    (self.updates_since_resampling, self.filter.particles().len());
-                if self.policy.is_due(updates, effective_sample_size, count) {
-                    self.filter.resample_adaptively(self.resampling, &mut self.kld);
-                    self.updates_since_resampling = 0;
-                }
-                TemperingReport { stages: 1, log_evidence }
-            }
+            return TemperingReport { stages: 1, log_evidence };
         }
+        let count = self.count_needed();
+        let tempering = self.tempering.get_or_insert_default();
+        let report = tempering.update(&mut self.filter, step, scan, count);
+        self.shrink(count);
+        report
     }
     // ANCHOR_END: track
 
     /// Updates the probability that the robot is elsewhere.
-    fn update_suspicion(&mut self, log_evidence: f64, beams: usize) {
-        let beams = self.independent_beams.min(beams as f64);
+    fn update_suspicion(&mut self, log_evidence: f64, beams: f64) {
         if let Some(suspicion) = &mut self.suspicion {
             suspicion.update(log_evidence, beams);
         }
@@ -139,13 +139,19 @@ impl Belief {
         step: &Step<impl Motion + Transport>,
         scan: &impl Likelihood,
     ) {
-        let count = self.filter.count_needed(&mut self.kld);
+        let count = self.count_needed();
         self.search_tempering.update(&mut self.filter, step, scan, count);
         self.shrink(count);
     }
 
+    /// How many particles the belief needs; as many as allowed for one with several clusters, whose
+    /// shares change by chance the more the fewer there are.
+    fn count_needed(&mut self) -> usize {
+        if self.is_divided { self.max_particles } else { self.filter.count_needed(&mut self.kld) }
+    }
+
     /// Draws fewer particles where there are far more than needed, for instance after a search.
-    fn shrink(&mut self, count: usize) {
+    pub(super) fn shrink(&mut self, count: usize) {
         if self.filter.particles().len() > 2 * count {
             self.filter.resample(self.resampling, count);
         }
@@ -180,6 +186,8 @@ pub(super) enum Step<T> {
     /// From the initial pose distribution, independent of the pose of a particle: mean, and a
     /// factor of the covariance.
     Start(Vector3<f64>, Matrix3<f64>),
+    /// By chance, in any direction.
+    Spread(Spread),
 }
 
 impl<T> Step<T> {
@@ -198,7 +206,7 @@ impl<T: Motion + Transport> Motion for Step<T> {
         };
         match self {
             Step::Model(step) => step.sample(poses, rng),
-            Step::Start(..) => one_by_one.sample(poses, rng),
+            Step::Start(..) | Step::Spread(_) => one_by_one.sample(poses, rng),
         }
     }
 }
@@ -208,6 +216,7 @@ impl<T: Transport> Transport for Step<T> {
     fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
         match self {
             Step::Model(step) => step.moved(pose, noise),
+            Step::Spread(spread) => spread.moved(pose, noise),
             Step::Start(mean, factor) => {
                 let [a, b, c, _] = noise;
                 Pose2::from_vector(&(mean + factor * Vector3::new(a, b, c)))

@@ -10,7 +10,7 @@
 //! prediction, correction and resampling; `scan` the scans and the map prepared for the sensor
 //! model; `recovery` the search for the robot elsewhere; `range_offset` the estimate of a common
 //! range offset; `models` the interface of a motion and a sensor model; `settings` all settings;
-//! `state` what is kept over a restart.
+//! `standing` the scans while the odometry reports no motion; `state` what is kept over a restart.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -36,6 +36,7 @@ mod range_offset;
 mod recovery;
 mod scan;
 mod settings;
+mod standing;
 mod state;
 
 pub use models::{ModelStep, MotionModel, ScanModel, ScanView};
@@ -61,8 +62,10 @@ use loc_filters::localizer::{self, Decision, Hypothesis, Localizer, Outcome, Par
 use loc_maps::OccupancyGrid;
 use loc_maps::likelihood_field::Endpoints;
 use loc_sensors::event::{Control, Measurement};
-use recovery::Alternative;
+use loc_sensors::laser::Beam;
+use recovery::{Alternative, Spread};
 use scan::{PreparedMap, endpoints, select};
+use standing::Standing;
 
 /// A robot with lasers in a known map, with a motion and a sensor model: those of the settings, or a
 /// user's own ([`MotionModel`], [`ScanModel`]).
@@ -88,6 +91,9 @@ pub struct Mcl<M = MotionSettings, S = SensorSettings> {
     /// The ranges that were used last, as one number, and how often they came again on the move.
     last_ranges: Option<u64>,
     frozen: u64,
+    standing: Standing,
+    /// Updates by scans that the robot has moved although its odometry stood still.
+    moved_unnoticed: u64,
 }
 
 /// What [`Mcl::update`] did.
@@ -160,6 +166,8 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
             offset: RangeOffsetEstimate::default(),
             last_ranges: None,
             frozen: 0,
+            standing: Standing::default(),
+            moved_unnoticed: 0,
         };
         mcl.start_anywhere();
         Ok(mcl)
@@ -202,7 +210,8 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         belief.suspicion.iter_mut().for_each(Suspicion::clear);
         belief.augmented.iter_mut().for_each(AugmentedMcl::reset);
         self.monitor = LostMonitor::new(self.settings.lost).unwrap_or(self.monitor);
-        self.estimate = self.clusterer.estimate(belief.filter.particles());
+        self.standing = Standing::default();
+        self.cluster();
     }
 
     /// Records the pose of the odometry between two scans: the noise of a path depends on its
@@ -233,16 +242,27 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
             && f64::hypot(step.x, step.y) < self.settings.update_distance
             && step.theta.abs() < self.settings.update_turn
         {
-            return Ok(Update::StoodStill);
+            if !self.has_moved_unnoticed(scans) {
+                return Ok(Update::StoodStill);
+            }
+            self.moved_unnoticed += 1;
+            return self.process(scans, Some(UNNOTICED));
         }
         // A scanner that repeats its last scan to the bit says nothing about where the robot is.
         let ranges = fingerprint(scans);
         let is_frozen = ranges.is_some() && ranges == self.last_ranges && self.has_moved(step);
         self.last_ranges = ranges;
         self.frozen += u64::from(is_frozen);
-        let scans = if is_frozen { &[] } else { scans };
-        let workers = self.belief.filter.workers().clone();
-        workers.within(|| self.process(scans)).map(Update::Done)
+        self.process(if is_frozen { &[] } else { scans }, None)
+    }
+
+    /// Whether scans show that the robot has moved although its odometry stands still.
+    fn has_moved_unnoticed(&mut self, scans: &[MountedScan<'_>]) -> bool {
+        if !self.standing.is_due() {
+            return false;
+        }
+        let fit = self.rater.rate(self.pose(), scans);
+        self.standing.has_moved(fit.map(|fit| self.settings.lost.shift(&fit)))
     }
 
     /// Whether a step is more than jitter.
@@ -267,36 +287,62 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
 
     /// One update: sample the motion, weight by the scans, resample (M1); then the estimate, the
     /// probability of being lost and, where the robot may be elsewhere, the search for it.
-    fn process(&mut self, scans: &[MountedScan<'_>]) -> Result<UpdateReport> {
+    ///
+    /// A robot that has moved unnoticed is anywhere within a `spread` of where it was.
+    fn process(&mut self, scans: &[MountedScan<'_>], spread: Option<Spread>) -> Result<Update> {
+        let workers = self.belief.filter.workers().clone();
+        workers.within(|| self.process_within(scans, spread)).map(Update::Done)
+    }
+
+    fn process_within(
+        &mut self,
+        scans: &[MountedScan<'_>],
+        spread: Option<Spread>,
+    ) -> Result<UpdateReport> {
         let path = self.path.unwrap_or(DrivenPath::starting_at(Pose2::IDENTITY));
         let noise = &self.settings.robot.path;
-        let step = match self.start.take() {
-            Some(belief) => Step::from_start(&path, &belief, noise),
-            None => Step::Model(self.motion.step(&path, &self.settings.robot)?),
+        let predicted = match &self.start {
+            Some(belief) => belief.pose() * path.step(),
+            None => self.estimate.belief.pose() * path.step(),
+        };
+        let step = match (self.start.take(), spread) {
+            (Some(belief), _) => Step::from_start(&path, &belief, noise),
+            (None, Some(spread)) => Step::Spread(spread),
+            (None, None) => Step::Model(self.motion.step(&path, &self.settings.robot)?),
         };
         self.path = Some(DrivenPath::starting_at(path.end()));
-        let beams = self.select(scans);
-        let beams = self.without_novel(&step, scans, beams)?;
+        let beams = self.without_novel(&step, scans, self.select(scans))?;
+        let exponent = self.map.exponent(beams.iter().map(Vec::len).sum());
+        let beams = self.on_map(predicted, scans, beams);
         let offset = self.range_offset();
         let endpoints = self.without_skipped(&step, endpoints(scans, &beams, offset));
         let report = {
-            let view = self.map.view(scans, &beams, &endpoints, &self.settings);
+            let view = ScanView { exponent, ..self.map.view(scans, &beams, &endpoints) };
             let scan = self.sensor.likelihood(&view)?;
-            self.belief.update(&step, &scan, &endpoints, &self.map)
+            self.belief.update(&step, &scan, &endpoints, exponent, &self.map)
         };
+        self.cluster();
         let particles = self.belief.filter.particles();
-        self.estimate = self.clusterer.estimate(particles);
         let pose = self.estimate.belief.pose();
         let (rater, tolerance) = (&mut self.rater, self.monitor.settings().tolerance);
         let workers = self.belief.filter.workers();
         let (fit, support) = workers
             .both(|| rater.rate_by(workers, pose, scans), || tolerance.support(particles, pose));
         self.monitor.update(fit, support);
+        if spread.is_none() {
+            self.standing.updated(fit.map(|fit| self.settings.lost.shift(&fit)));
+        }
         let searched = report.searched || self.update_alternative(&step, scans)?;
         if self.estimates_range_offset() && !searched && self.lost() < MAX_LOST {
             self.offset.update(&self.map.field, scans, &beams, pose, offset);
         }
         Ok(UpdateReport { searched, ..report })
+    }
+
+    /// Clusters the particles, and estimates the pose.
+    fn cluster(&mut self) {
+        self.estimate = self.clusterer.estimate(self.belief.filter.particles());
+        self.belief.is_divided = self.estimate.share() < MAX_SHARE;
     }
 
     /// Whether the filter estimates how much the ranges are short.
@@ -322,6 +368,27 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
             }
             _ => Ok(beams),
         }
+    }
+
+    /// The beams without those that end where the map knows nothing, seen from a pose: they neither
+    /// pull nor raise suspicion.
+    fn on_map(
+        &self,
+        predicted: Pose2,
+        scans: &[MountedScan<'_>],
+        mut beams: Vec<Vec<usize>>,
+    ) -> Vec<Vec<usize>> {
+        if self.belief.awaits_first_scan() {
+            return beams;
+        }
+        for (MountedScan { scan, mounting }, beams) in scans.iter().zip(&mut beams) {
+            let laser = predicted * *mounting;
+            beams.retain(|&index| {
+                let beam = Beam { index, angle: scan.angle(index), range: scan.ranges[index] };
+                !scan.is_valid(beam.range) || !self.rater.leaves_map(laser, &beam)
+            });
+        }
+        beams
     }
 
     /// The ends of the beams without those that beam skipping drops.
@@ -364,10 +431,16 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         self.estimate.belief.pose() * since
     }
 
-    /// The pose now with its covariance, which grows along the path since the last update.
+    /// The pose now with its covariance, which grows along the path since the last update. Of
+    /// several clusters it is that of all of them about the pose
+    /// ([`Estimate::whole`](crate::Estimate::whole)).
     pub fn belief(&self) -> Gaussian<3> {
         let noise = self.settings.robot.path;
-        let belief = self.estimate.belief;
+        let divided = self.belief.is_divided.then(|| self.estimate.whole());
+        let mut belief = divided.unwrap_or(self.estimate.belief);
+        if self.standing.is_moving() {
+            belief.covariance += UNNOTICED.covariance();
+        }
         self.path.map_or(belief, |path| noise.belief_after(&path, &belief))
     }
 
@@ -445,6 +518,12 @@ impl<M: MotionModel, S: ScanModel> Localizer for Mcl<M, S> {
                 self.frozen
             ));
         }
+        if self.moved_unnoticed > 0 {
+            notes.push(format!(
+                "the scans moved {} times while the odometry stood still: do the encoders stick?",
+                self.moved_unnoticed
+            ));
+        }
         let estimate = self.range_offset_estimate();
         let (Some(offset), Some(sigma)) = (estimate.offset(), estimate.sigma()) else {
             return notes;
@@ -469,6 +548,12 @@ fn fingerprint(scans: &[MountedScan<'_>]) -> Option<u64> {
     let mix = |hash: u64, range: &f64| (hash ^ range.to_bits()).wrapping_mul(0x0100_0000_01b3);
     Some(ranges.fold(0xcbf2_9ce4_8422_2325, mix))
 }
+
+/// How far a robot gets between two ratings of scans while its odometry stands still.
+const UNNOTICED: Spread = Spread([0.2, 0.2, 0.1]);
+
+/// A belief is divided if its heaviest cluster has less than this share.
+const MAX_SHARE: f64 = 0.99;
 
 /// Scans are used for the range offset while the probability of being lost is below this.
 const MAX_LOST: f64 = 0.1;

@@ -11,13 +11,14 @@
 //! becomes the alternative, for a limited number of scans.
 
 use super::belief::{Belief, Step};
-use super::scan::{MountedScan, PreparedMap, endpoints};
+use super::scan::{Candidates, MountedScan, PreparedMap, endpoints};
 use super::{Mcl, MotionModel, ScanModel};
 use crate::confidence::{LostMonitor, Tolerance};
 use crate::recovery::Suspicion;
 use crate::{Likelihood, Particles, Result, Transport};
 use loc_core::Pose2;
 use loc_maps::likelihood_field::Endpoints;
+use nalgebra::Matrix3;
 use std::f64::consts::TAU;
 
 /// An alternative hypothesis: a belief that is compared with the tracked one.
@@ -90,7 +91,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         let beams = self.select(scans);
         let beams = self.without_novel(step, scans, beams)?;
         let endpoints = self.without_skipped(step, endpoints(scans, &beams, self.range_offset()));
-        let view = self.map.view(scans, &beams, &endpoints, &self.settings);
+        let view = self.map.view(scans, &beams, &endpoints);
         let scan = self.sensor.likelihood(&view)?;
         self.belief.track_alternative(step, &scan);
         Ok(())
@@ -101,7 +102,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
     fn gain(&self, particles: &Particles, scans: &[MountedScan<'_>]) -> Result<f64> {
         let beams = self.select(scans);
         let endpoints = endpoints(scans, &beams, self.range_offset());
-        let view = self.map.view(scans, &beams, &endpoints, &self.settings);
+        let view = self.map.view(scans, &beams, &endpoints);
         let scan = self.sensor.likelihood(&view)?;
         let tracked = self.belief.filter.particles();
         Ok(fit(&scan, particles) - fit(&scan, tracked))
@@ -122,7 +123,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
             self.swap_particles(&mut alternative);
             std::mem::swap(&mut self.monitor, &mut alternative.monitor);
             (alternative.scans, alternative.gain) = (0, 0.0);
-            self.estimate = self.clusterer.estimate(self.belief.filter.particles());
+            self.cluster();
             self.belief.suspicion.iter_mut().for_each(Suspicion::clear);
         }
         if alternative.is_refuted_by(&self.monitor) {
@@ -145,7 +146,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         match self.search(scans)? {
             Found::Beside(beside) => {
                 self.belief.add_weighted(&beside, SHIFTED);
-                self.estimate = self.clusterer.estimate(self.belief.filter.particles());
+                self.cluster();
                 self.belief.suspicion.iter_mut().for_each(Suspicion::clear);
                 Ok(None)
             }
@@ -170,7 +171,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         let beams = self.select(scans);
         let Mcl { map, belief, rater, clusterer, settings, sensor, .. } = self;
         let endpoints = endpoints(scans, &beams, offset);
-        let view = map.view(scans, &beams, &endpoints, settings);
+        let view = map.view(scans, &beams, &endpoints);
         let scan = sensor.likelihood(&view)?;
         let mut shift = |pose: Pose2| {
             rater.rate(pose, scans).map_or(f64::INFINITY, |fit| settings.lost.shift(&fit))
@@ -180,7 +181,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         let Tolerance { distance, turn } = settings.lost.tolerance;
         let reported = self.estimate.belief.pose();
         let spread = Spread([0.5 * distance, 0.5 * distance, 0.5 * turn]);
-        if let Some(beside) = belief.spread_over(&[reported], spread, map, &scan)
+        if let Some(beside) = belief.spread_over(&Candidates::one(reported), spread, map, &scan)
             && fit(&scan, &beside.particles) > here + CLEARLY
         {
             let pose = clusterer.estimate(&beside.particles).belief.pose();
@@ -188,7 +189,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
                 return Ok(Found::Beside(beside.particles));
             }
         }
-        let candidates = credible(map.candidates(&endpoints), shift);
+        let candidates = map.candidates(&endpoints).credible(shift);
         let found = belief.spread_over(&candidates, SPREAD, map, &scan);
         let found = found.filter(|found| fit(&scan, &found.particles) > here);
         Ok(found.map_or(Found::Nothing, |found| Found::Elsewhere(found.particles)))
@@ -243,21 +244,23 @@ impl Belief {
     /// Particles around some candidates, weighted by a scan; those of the filter are unchanged.
     pub(super) fn spread_over(
         &mut self,
-        candidates: &[Pose2],
+        candidates: &Candidates,
         spread: Spread,
         map: &PreparedMap,
         scan: &impl Likelihood,
     ) -> Option<Elsewhere> {
-        if candidates.is_empty() {
+        let poses = &candidates.poses;
+        if poses.is_empty() {
             return None;
         }
-        let count = self.max_particles.max(candidates.len());
-        let around = candidates.iter().cycle().take(count).copied();
+        let count = self.max_particles.max(poses.len());
+        let mut around: Vec<Pose2> = poses.iter().cycle().take(count).copied().collect();
+        order_by_place(&mut around);
         let here = std::mem::replace(self.filter.particles_mut(), Particles::from_poses(around));
         let report = self.search_tempering.update(&mut self.filter, &spread, scan, count);
+        self.shrink(self.max_particles);
         let particles = std::mem::replace(self.filter.particles_mut(), here);
-        // A candidate represents the volume of its spread, the map all of its free space.
-        let volume = candidates.len() as f64 * TAU.powf(1.5) * spread.0.iter().product::<f64>();
+        let volume = candidates.volume.unwrap_or_else(|| poses.len() as f64 * spread.volume());
         let log_evidence = report.log_evidence + (volume / (map.free_space.area() * TAU)).ln();
         Some(Elsewhere { particles, log_evidence })
     }
@@ -282,6 +285,17 @@ pub(super) const SPREAD: Spread = Spread([0.1, 0.1, 0.035]);
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spread(pub(super) [f64; 3]);
 
+impl Spread {
+    pub(super) fn covariance(&self) -> Matrix3<f64> {
+        Matrix3::from_diagonal(&self.0.map(|sigma| sigma * sigma).into())
+    }
+
+    /// The volume for which a candidate stands \[m^2 rad\].
+    fn volume(&self) -> f64 {
+        TAU.powf(1.5) * self.0.iter().product::<f64>()
+    }
+}
+
 impl Transport for Spread {
     fn moved(&self, pose: Pose2, noise: [f64; 4]) -> Pose2 {
         let [x, y, theta] = self.0;
@@ -297,14 +311,42 @@ pub(super) struct Elsewhere {
     pub(super) log_evidence: f64,
 }
 
-/// The candidates that the monitor rates about as credible as the best one. People at 1 m around
-/// the robot resemble a closet, but in a real closet other beams would pass through walls.
-fn credible(candidates: Vec<Pose2>, shift: impl FnMut(Pose2) -> f64) -> Vec<Pose2> {
-    let shifts: Vec<f64> = candidates.iter().copied().map(shift).collect();
-    let min = shifts.iter().copied().fold(f64::INFINITY, f64::min);
-    let pairs = candidates.into_iter().zip(shifts);
-    pairs.filter(|(_, shift)| *shift <= min + CREDIBLE).map(|(candidate, _)| candidate).collect()
+impl Candidates {
+    /// The candidates that the monitor rates about as credible as the best one. People at 1 m
+    /// around the robot resemble a closet, but in a real closet other beams would pass through
+    /// walls. Of a continuum all are kept.
+    fn credible(self, shift: impl FnMut(Pose2) -> f64) -> Self {
+        if self.volume.is_some() {
+            return self;
+        }
+        let shifts: Vec<f64> = self.poses.iter().copied().map(shift).collect();
+        let min = shifts.iter().copied().fold(f64::INFINITY, f64::min);
+        let pairs = self.poses.into_iter().zip(shifts);
+        let credible = pairs.filter(|(_, shift)| *shift <= min + CREDIBLE);
+        Candidates { poses: credible.map(|(candidate, _)| candidate).collect(), volume: None }
+    }
 }
+
+/// Orders poses along a Z-order curve over position and heading, so that those of a region follow
+/// each other. Low-variance resampling keeps the order, and so it keeps the share of each region to
+/// within a particle (Gerber, Chopin and Whiteley, "Negative association, ordering and convergence
+/// of resampling methods", 2019): of two places that look the same none dies by chance.
+fn order_by_place(poses: &mut [Pose2]) {
+    let left = poses.iter().map(|pose| pose.x).fold(f64::INFINITY, f64::min);
+    let low = poses.iter().map(|pose| pose.y).fold(f64::INFINITY, f64::min);
+    // The casts saturate.
+    let key = |pose: &Pose2| {
+        let [x, y] = [pose.x - left, pose.y - low].map(|along| (along / PLACE[0]) as u32);
+        let theta = (pose.theta.rem_euclid(TAU) / PLACE[1]) as u32;
+        let bits =
+            |k: u32| [theta, y, x].iter().fold(0, |key, at| key << 1 | u64::from(at >> k & 1));
+        (0..16).rev().fold(0_u64, |key, k| key << 3 | bits(k))
+    };
+    poses.sort_by_cached_key(key);
+}
+
+/// Sides of a cell of that curve \[m, rad\].
+const PLACE: [f64; 2] = [0.25, 0.25];
 
 /// How well a scan fits: its mean log-likelihood over some particles \[nats\].
 pub(super) fn fit(scan: &impl Likelihood, particles: &Particles) -> f64 {

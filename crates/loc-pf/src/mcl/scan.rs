@@ -85,10 +85,33 @@ pub(super) struct PreparedMap {
     /// The obstacles, where the beam model or the distance filter needs them.
     caster: Option<RayCaster>,
     pub(super) search: Option<GlobalSearch>,
+    independent_beams: f64,
+}
+
+/// Where a scan fits best over the whole map.
+#[derive(Debug, Default)]
+pub(super) struct Candidates {
+    pub(super) poses: Vec<Pose2>,
+    /// The volume that they represent together \[m^2 rad\], where they are a sample of a continuum
+    /// of poses.
+    pub(super) volume: Option<f64>,
+}
+
+impl Candidates {
+    /// A single pose.
+    pub(super) fn one(pose: Pose2) -> Self {
+        Candidates { poses: vec![pose], volume: None }
+    }
 }
 
 /// Maximum number of candidates of a search.
-const CANDIDATES: usize = 64;
+pub(super) const CANDIDATES: usize = 64;
+
+/// Poses are as good as the best one if the scan is at most this much less likely there \[nats\].
+const TIED: f64 = 5.0;
+
+/// Number of poses that represent a continuum of such poses.
+const TIES: usize = 10_000;
 
 /// Number of poses that represent the particles when beams are filtered.
 const SAMPLE: usize = 64;
@@ -105,14 +128,32 @@ impl PreparedMap {
             model.casts_rays() || matches!(settings.novelty, Some(NoveltyFilter::Distance(_)));
         let search = settings.recovery.search.then(|| search(map, &field)).transpose()?;
         let field = LikelihoodField::new(map, &field)?;
-        Ok(PreparedMap { free_space, field, caster: casts.then(|| RayCaster::new(map)), search })
+        let caster = casts.then(|| RayCaster::new(map));
+        let independent_beams = settings.independent_beams;
+        Ok(PreparedMap { free_space, field, caster, search, independent_beams })
     }
 
     /// Pose candidates: where a scan fits best over the whole map; none without a search, or for a
-    /// scan without usable beams.
-    pub(super) fn candidates(&self, endpoints: &Endpoints) -> Vec<Pose2> {
-        let found = self.search.as_ref().and_then(|search| search.search(endpoints).ok());
-        found.into_iter().flatten().map(|candidate| candidate.pose).collect()
+    /// scan without usable beams. Where more places fit about equally well than a search lists, as
+    /// along the bare wall of a hall, they are a sample of all of those.
+    pub(super) fn candidates(&self, endpoints: &Endpoints) -> Candidates {
+        let Some(search) = &self.search else { return Candidates::default() };
+        let Ok(found) = search.search(endpoints) else { return Candidates::default() };
+        let drop = TIED / self.exponent(endpoints.len());
+        if let [best, .., last] = &found[..]
+            && found.len() == CANDIDATES
+            && best.log_likelihood - last.log_likelihood < drop
+            && let Ok(ties) = search.ties(endpoints, drop, TIES)
+        {
+            return Candidates { poses: ties.poses, volume: Some(ties.volume) };
+        }
+        let poses = found.into_iter().map(|candidate| candidate.pose).collect();
+        Candidates { poses, volume: None }
+    }
+
+    /// As how many independent beams each of the used ones counts.
+    pub(super) fn exponent(&self, used: usize) -> f64 {
+        (self.independent_beams / used.max(1) as f64).min(1.0)
     }
 
     /// The selected beams without those that the novelty filter drops (K3), for a robot at
@@ -147,10 +188,8 @@ impl PreparedMap {
         scans: &'a [MountedScan<'a>],
         beams: &'a [Vec<usize>],
         endpoints: &'a Endpoints,
-        settings: &MclSettings,
     ) -> ScanView<'a> {
-        let used: usize = beams.iter().map(Vec::len).sum();
-        let exponent = (settings.independent_beams / used.max(1) as f64).min(1.0);
+        let exponent = self.exponent(beams.iter().map(Vec::len).sum());
         let PreparedMap { field, caster, .. } = self;
         ScanView { scans, beams, endpoints, field, caster: caster.as_ref(), exponent }
     }

@@ -1,6 +1,7 @@
 //! The state of the filter, to be kept over a restart of the robot.
 
 use super::recovery::Alternative;
+use super::standing::Standing;
 use super::{Mcl, MotionModel, RangeOffsetEstimate, ScanModel};
 use crate::confidence::LostMonitor;
 use crate::motion::DrivenPath;
@@ -26,6 +27,7 @@ pub struct MclState {
     monitor: LostMonitor,
     alternative: Option<Alternative>,
     offset: RangeOffsetEstimate,
+    standing: Standing,
 }
 
 impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
@@ -45,6 +47,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
             monitor: self.monitor,
             alternative: self.alternative.clone(),
             offset: self.offset,
+            standing: self.standing,
         }
     }
 
@@ -69,7 +72,8 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         (belief.suspicion, belief.augmented) = (state.suspicion, state.augmented);
         self.monitor = state.monitor;
         (self.alternative, self.offset) = (state.alternative, state.offset);
-        self.estimate = self.clusterer.estimate(belief.filter.particles());
+        self.standing = state.standing;
+        self.cluster();
         Ok(())
     }
 }

@@ -21,6 +21,7 @@ mod likelihood_field;
 mod lost;
 mod moments;
 mod motion;
+mod never_sure;
 mod normals;
 mod novelty;
 mod own_models;
