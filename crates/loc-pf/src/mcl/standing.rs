@@ -2,9 +2,9 @@
 
 /// Watches how scans fit while the odometry reports no motion.
 ///
-/// Every few scans one is rated at the reported pose. Where two in a row fit much worse than when
-/// the odometry moved last, and badly, the robot has moved, whatever the odometry says. From then
-/// on every scan is rated, and each that fits badly is a motion.
+/// Every few scans one is rated at the reported pose, and after a bad one the next. Where two in a
+/// row fit much worse than when the odometry moved last, and badly, the robot has moved, whatever
+/// the odometry says. From then on every scan is rated, and each that fits badly is a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Standing {
@@ -40,7 +40,8 @@ impl Standing {
     /// Whether to rate the next scan.
     pub(super) fn is_due(&mut self) -> bool {
         self.scans += 1;
-        self.usual.is_some() && (self.is_moving || self.scans.is_multiple_of(EVERY))
+        let is_suspected = self.is_moving || self.bad > 0;
+        self.usual.is_some() && (is_suspected || self.scans.is_multiple_of(EVERY))
     }
 
     /// Whether the robot has moved, by the shift of the log odds by a scan.

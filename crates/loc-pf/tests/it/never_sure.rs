@@ -105,8 +105,11 @@ fn in_a_symmetric_room_both_hypotheses_live() {
         let mut shares: Vec<f64> = Vec::new();
         drive(&map, &laser, seed, (0..150).map(around), |mcl, truth| {
             let clusters = &mcl.last_estimate().clusters;
-            let turned =
-                Pose2::new(12.0 - truth.x, 8.0 - truth.y, angle::wrap(truth.theta + 3.1416));
+            let turned = Pose2::new(
+                12.0 - truth.x,
+                8.0 - truth.y,
+                angle::wrap(truth.theta + std::f64::consts::PI),
+            );
             let share = |at: Pose2| -> f64 {
                 let near = clusters.iter().filter(|c| c.belief.pose().distance(at) < 0.5);
                 near.map(|c| c.share).sum()
