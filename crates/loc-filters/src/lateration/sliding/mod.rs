@@ -33,9 +33,9 @@ const FITS: f64 = 3.0;
 ///
 /// A robot seldom measures the distances to all landmarks at one time. Odometry gives the place of each
 /// of the last distances relative to the current pose; the estimate is the pose that fits all of them
-/// best. Older ones have a larger variance, as the odometry since then adds its own. Nothing older
-/// than the window is stored, except that the heading is kept as long as odometry predicts it with a
-/// smaller variance than the window determines it.
+/// best. Older ones have a larger variance, as the odometry since then adds its own. What has left the
+/// window is remembered as a belief over the pose, carried on by odometry, and over the sensor's scale
+/// and offset, which vary slowly.
 ///
 /// ```
 /// use loc_core::Twist2;
@@ -69,8 +69,10 @@ pub struct SlidingLateration {
     track: Track,
     window: VecDeque<BufferedRange>,
     fix: Option<StampedFix>,
-    /// What was known at the start; it counts until the window is full.
-    start: Option<(f64, Gaussian<3>)>,
+    /// A pose that is known beside the window, with its time: that of the start until the window
+    /// is full, then that of the distances that have left it.
+    known: Option<(f64, Gaussian<3>)>,
+    memory: Memory,
 }
 
 /// A measured distance in the window.
@@ -111,7 +113,8 @@ impl SlidingLateration {
             track: Track::new(stamp, settings.robot.integration),
             window: VecDeque::new(),
             fix: None,
-            start: None,
+            known: None,
+            memory: Memory::default(),
         })
     }
 
@@ -122,7 +125,7 @@ impl SlidingLateration {
     pub fn start_at(mut self, belief: &Gaussian<3>) -> Result<Self> {
         let belief = Gaussian::new(belief.mean, belief.covariance)?;
         let stamp = self.track.start();
-        self.start = Some((stamp, belief));
+        self.known = Some((stamp, belief));
         self.fix = Some(StampedFix { stamp, belief, bias: RangeBias::NONE });
         Ok(self)
     }
@@ -162,11 +165,11 @@ impl SlidingLateration {
         }
         while self.window.len() > self.settings.window {
             self.window.pop_front();
-            self.start = None;
         }
         self.forget();
         let now = self.window.back().map_or(stamp, |last| last.stamp);
-        let solved = ranges.iter().any(Result::is_ok).then(|| self.solve(now)).flatten();
+        let fresh = ranges.iter().flatten().count();
+        let solved = (fresh > 0).then(|| self.solve(now, self.memory.bias.as_ref())).flatten();
         let decide = |range: &BufferedRange| match &solved {
             None => Decision::Pending,
             Some((window, found)) => {
@@ -184,6 +187,7 @@ impl SlidingLateration {
         if let Some((_, found)) = &solved {
             self.set_fix(now, found);
         }
+        self.remember(now, fresh);
         Ok(outcomes)
     }
 
@@ -201,12 +205,12 @@ impl SlidingLateration {
         self.fix.map(|fix| fix.bias)
     }
 
-    /// Forgets the odometry from before the window, the last fix and the start.
+    /// Forgets the odometry from before the window, the last fix and the known pose.
     fn forget(&mut self) {
         let end = self.track.end();
         let oldest = self.window.front().map_or(end, |first| first.stamp.min(end));
         let fix = self.fix.map_or(oldest, |fix| fix.stamp.min(oldest));
-        self.track.forget_before(self.start.map_or(fix, |(stamp, _)| stamp.min(fix)));
+        self.track.forget_before(self.known.map_or(fix, |(stamp, _)| stamp.min(fix)));
     }
 
     fn carry(&self, belief: &Gaussian<3>, from: f64, to: f64) -> Gaussian<3> {
@@ -256,14 +260,41 @@ impl SlidingLateration {
         Carried { landmark, distance, sigma: variance.sqrt(), antenna, own_sigma, segment }
     }
 
-    /// The pose that fits the window best.
-    fn solve(&self, now: f64) -> Option<(Window, Minimum)> {
+    /// Once all distances of the window are new since the last time, what it says of the pose and
+    /// of the bias is remembered. It counts from the next time on: until then distances that it
+    /// came from are still in the window. A window that fits badly ends the memory.
+    fn remember(&mut self, now: f64, fresh: usize) {
+        self.memory.fresh += fresh;
+        if self.memory.fresh < self.settings.window {
+            return;
+        }
+        let solved = self.solve(now, self.memory.bias_next.as_ref());
+        let told = solved
+            .filter(|(window, found)| found.cost <= TELLING * window.ranges.len() as f64)
+            .map(|(_, found)| (pose_of(&found), bias_of(&found)));
+        let before = std::mem::take(&mut self.memory);
+        let Some((pose, bias)) = told else {
+            self.known = None;
+            return;
+        };
+        self.known = before.pose;
+        let bias = after_walk(bias, now - before.pose.map_or(now, |(stamp, _)| stamp));
+        self.memory = Memory {
+            bias: before.bias_next,
+            bias_next: Some(bias),
+            pose: Some((now, pose)),
+            fresh: 0,
+        };
+    }
+
+    /// The pose that fits the window best, with what is known of the bias from older distances.
+    fn solve(&self, now: f64, remembered: Option<&Gaussian<2>>) -> Option<(Window, Minimum)> {
         let travelled = self.track.at(now);
         let next = self.window.iter().skip(1).map(|received| self.track.at(received.stamp));
         let pairs = self.window.iter().zip(next.chain([travelled]));
         let ranges: Vec<Carried> =
             pairs.map(|(received, next)| self.carried(received, now, &travelled, &next)).collect();
-        let known = self.start.and_then(|(stamp, belief)| {
+        let known = self.known.and_then(|(stamp, belief)| {
             let mut belief = self.carry(&belief, stamp, now);
             // A start that is certain would leave nothing to weigh.
             belief.covariance += Matrix3::identity() * CERTAIN;
@@ -273,7 +304,9 @@ impl SlidingLateration {
         let extent = ranges.iter().map(size).fold(0.0, f64::max);
         let (loss, bias) = (self.settings.loss, self.settings.bias);
         let heading = (!self.settings.odometry).then_some(0.0);
-        let mut window = Window { ranges, loss, bias, known, heading, extent };
+        let remembered = remembered
+            .and_then(|belief| Some((belief.mean, cholesky("bias", &belief.covariance).ok()?)));
+        let mut window = Window { ranges, loss, bias, remembered, known, heading, extent };
         let carried = self.fix.map(|fix| self.carry(&fix.belief, fix.stamp, now));
         let from_last = carried.and_then(|belief| window.solve(belief.mean));
         let lost = |found: &Minimum| found.cost > LOST * window.ranges.len() as f64;
@@ -316,7 +349,7 @@ impl SlidingLateration {
     fn set_fix(&mut self, stamp: f64, found: &Minimum) {
         let mut belief = pose_of(found);
         if !self.settings.odometry {
-            belief.mean.z = self.start.map_or(0.0, |(_, start)| start.mean.z);
+            belief.mean.z = self.known.map_or(0.0, |(_, start)| start.mean.z);
             belief.covariance[(HEADING, HEADING)] = NO_HEADING;
         }
         let bias = RangeBias { scale: found.at[SCALE], offset: found.at[OFFSET] };
@@ -346,6 +379,41 @@ impl Localizer for SlidingLateration {
 impl Sequential for SlidingLateration {
     fn uses(&self, measurement: &Measurement) -> bool {
         matches!(measurement, Measurement::Landmarks(_))
+    }
+}
+
+/// What the distances that have left the window say.
+#[derive(Debug, Clone, Default)]
+struct Memory {
+    /// Scale and offset of the ranging sensor, by all distances before the last full window ..
+    bias: Option<Gaussian<2>>,
+    /// .. and by those of that window as well, with the pose at its end; these count from the next
+    /// full window on.
+    bias_next: Option<Gaussian<2>>,
+    pose: Option<(f64, Gaussian<3>)>,
+    /// How many distances came since then.
+    fresh: usize,
+}
+
+/// A bias that has varied for some time \[s\].
+fn after_walk(mut bias: Gaussian<2>, time: f64) -> Gaussian<2> {
+    for (k, sigma) in WALK.into_iter().enumerate() {
+        bias.covariance[(k, k)] += (sigma * sigma * time.max(0.0) / 60.0).max(1e-12);
+    }
+    bias
+}
+
+/// Random walk of scale and offset, after a minute \[1, m\].
+const WALK: [f64; 2] = [0.005, 0.02];
+
+/// A window whose cost per distance is above this says nothing about the bias.
+const TELLING: f64 = 3.0;
+
+/// The bias of a minimum, as a belief over scale and offset \[m\].
+fn bias_of(found: &Minimum) -> Gaussian<2> {
+    Gaussian {
+        mean: Vector2::new(found.at[SCALE], found.at[OFFSET]),
+        covariance: found.covariance.fixed_view::<2, 2>(SCALE, SCALE).into_owned(),
     }
 }
 

@@ -8,7 +8,7 @@ use crate::lateration::minimize::{
 use crate::lateration::{BiasPrior, Loss, RangeBias};
 use loc_core::motion::{Integration, VelocityNoise, dead_reckon};
 use loc_core::{Gaussian, Pose2, Twist2, angle};
-use nalgebra::{Cholesky, Const, Point2, Rotation2, SMatrix, Vector2, Vector3};
+use nalgebra::{Cholesky, Const, Matrix2, Point2, Rotation2, SMatrix, Vector2, Vector3};
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
@@ -48,6 +48,9 @@ pub(super) struct Window {
     pub(super) ranges: Vec<Carried>,
     pub(super) loss: Loss,
     pub(super) bias: BiasPrior,
+    /// Scale and offset as older distances found them, with the factor of their covariance; it
+    /// takes the place of `bias`.
+    pub(super) remembered: Option<(Vector2<f64>, Cholesky<f64, Const<2>>)>,
     /// What else is known of the pose, with the factor of its covariance.
     pub(super) known: Option<(Vector3<f64>, Cholesky<f64, Const<3>>)>,
     /// The variance of a heading that is known from elsewhere \[rad^2\]; without, it is to be found.
@@ -96,6 +99,24 @@ impl Window {
         Row { residual, gradient, own_variance, ..Row::like(range.sigma, self.loss) }
     }
 
+    /// What is known of scale and offset.
+    fn bias_rows(&self, at: &Unknowns, visit: &mut dyn FnMut(&Row)) {
+        let Some((bias, factor)) = &self.remembered else {
+            return bias_rows(&self.bias, at, visit);
+        };
+        let lower = factor.l();
+        let off = Vector2::new(at[SCALE], at[OFFSET]) - bias;
+        let whitened = lower.solve_lower_triangular(&off);
+        let slopes = lower.solve_lower_triangular(&Matrix2::identity());
+        let (Some(residuals), Some(slopes)) = (whitened, slopes) else { return };
+        for k in 0..2 {
+            let mut gradient = Unknowns::zeros();
+            (gradient[SCALE], gradient[OFFSET]) = (slopes[(k, 0)], slopes[(k, 1)]);
+            let residual = residuals[k];
+            visit(&Row { residual, gradient, ..Row::like(1.0, Loss::Quadratic) });
+        }
+    }
+
     /// Direction of the distance's growth, in the robot's frame now.
     fn direction(range: &Carried, at: &Unknowns) -> Vector2<f64> {
         let turned = Rotation2::new(at[HEADING]);
@@ -107,7 +128,7 @@ impl Window {
 impl Problem for Window {
     fn rows(&self, at: &Unknowns, visit: &mut dyn FnMut(&Row)) {
         self.ranges.iter().for_each(|range| visit(&self.row(range, at)));
-        bias_rows(&self.bias, at, visit);
+        self.bias_rows(at, visit);
         let Some((pose, factor)) = &self.known else { return };
         let mut off = Vector3::new(at[0], at[1], at[2]) - pose;
         off.z = angle::wrap(off.z);

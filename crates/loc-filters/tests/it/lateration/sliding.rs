@@ -118,6 +118,41 @@ fn a_biased_sensor_and_odometry_find_the_robot() {
     assert!(run(0, blind).0 > 1.5 * run(0, settings).0);
 }
 
+/// The bias of a sensor is known better by all distances of a drive than by the last dozen.
+#[test]
+fn the_bias_outlives_the_window() {
+    let camera = LandmarkNoise { range_sigma: 0.1, ..LandmarkNoise::default() };
+    let robot = RobotSettings::default().camera(camera);
+    let settings = SlidingSettings::default().robot(robot).window(12);
+    let truth = RangeBias { scale: 1.05, offset: 0.1 };
+    let off = |robot: &SlidingLateration| {
+        let bias = robot.bias().unwrap();
+        (bias.reported(5.0) - truth.reported(5.0)).powi(2)
+    };
+    let (mut whole, mut recent, mut count) = (0.0, 0.0, 0.0);
+    for seed in 0..6 {
+        let mut drive = Drive::new(seed);
+        drive.bias = truth;
+        let mut long = SlidingLateration::new(map(), settings, 0.0).unwrap();
+        while drive.step < 300 {
+            let mut short = SlidingLateration::new(map(), settings, drive.stamp()).unwrap();
+            for _ in 0..12 {
+                let (stamp, twist) = (drive.stamp(), drive.drive());
+                let observation = drive.hear();
+                for robot in [&mut long, &mut short] {
+                    robot.velocity(stamp, twist).unwrap();
+                    robot.observations(drive.stamp(), &[observation]).unwrap();
+                }
+            }
+            if drive.step > 120 {
+                (whole, recent, count) = (whole + off(&long), recent + off(&short), count + 1.0);
+            }
+        }
+    }
+    let [whole, recent] = [whole, recent].map(|sum: f64| (sum / count).sqrt());
+    assert!(whole < 0.6 * recent && whole < 0.06, "{whole} m, by the last dozen {recent} m");
+}
+
 /// While the robot stands, the window holds ranges from one place only; the heading stays.
 #[test]
 fn the_heading_outlives_the_window() {
