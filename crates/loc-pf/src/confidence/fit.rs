@@ -98,24 +98,28 @@ impl ScanRater {
 
     /// Rates the scans of all lasers; `None` without valid beams.
     pub fn rate(&mut self, reported: Pose2, scans: &[MountedScan<'_>]) -> Option<ScanFit<'_>> {
-        self.rate_by(&Workers::one(), reported, scans)
+        self.rate_by(&Workers::one(), reported, scans, false)
     }
 
-    /// The same by several threads.
+    /// The same by several threads; with `on_map`, by the beams that do not leave the map, `None`
+    /// where those are few.
     pub(crate) fn rate_by(
         &mut self,
         workers: &Workers,
         reported: Pose2,
         scans: &[MountedScan<'_>],
+        on_map: bool,
     ) -> Option<ScanFit<'_>> {
         let mut beams = Vec::new();
         for &MountedScan { scan, mounting } in scans {
             beams.extend(scan.thinned(Self::BEAMS).into_iter().map(|beam| (mounting, beam)));
         }
-        let count = beams.len();
-        beams.retain(|(mounting, beam)| !self.leaves_map(reported * *mounting, beam));
-        if (beams.len() as f64) < Self::MIN_SHARE * count as f64 {
-            return None;
+        if on_map {
+            let min = Self::MIN_SHARE * beams.len() as f64;
+            beams.retain(|(mounting, beam)| !self.leaves_map(reported * *mounting, beam));
+            if (beams.len() as f64) < min {
+                return None;
+            }
         }
         let end = |&(mounting, beam): &(Pose2, Beam)| mounting.transform(&beam.point()).coords;
         let endpoints: Endpoints = beams.iter().map(|beam| <[f64; 2]>::from(end(beam))).collect();

@@ -9,8 +9,9 @@
 //! The files: this one has the filter, its update and its saved state; `belief` the particles with
 //! prediction, correction and resampling; `scan` the scans and the map prepared for the sensor
 //! model; `recovery` the search for the robot elsewhere; `range_offset` the estimate of a common
-//! range offset; `models` the interface of a motion and a sensor model; `settings` all settings;
-//! `standing` the scans while the odometry reports no motion; `state` what is kept over a restart.
+//! range offset; `localizer` the events; `models` the interface of a motion and a sensor model;
+//! `settings` all settings; `standing` the scans while the odometry reports no motion; `state` what
+//! is kept over a restart.
 //!
 //! ```
 //! use loc_core::{Pose2, gaussian::pose_belief, random::stream};
@@ -31,6 +32,7 @@
 //! ```
 
 mod belief;
+mod localizer;
 mod models;
 mod range_offset;
 mod recovery;
@@ -54,17 +56,14 @@ use crate::motion::DrivenPath;
 use crate::recovery::{AugmentedMcl, Suspicion};
 use crate::{Error, Estimate, Particles, Result, Transport};
 use belief::{Belief, Step};
-use loc_core::error::finite;
 use loc_core::gaussian::check_covariance;
 use loc_core::random::ChaCha8Rng;
 use loc_core::{Gaussian, Pose2};
-use loc_filters::localizer::{self, Decision, Hypothesis, Localizer, Outcome, ParticleSet};
 use loc_maps::OccupancyGrid;
 use loc_maps::likelihood_field::Endpoints;
-use loc_sensors::event::{Control, Measurement};
 use loc_sensors::laser::Beam;
 use recovery::{Alternative, Spread};
-use scan::{PreparedMap, endpoints, select};
+use scan::{PreparedMap, check, endpoints, fingerprint, select};
 use standing::Standing;
 
 /// A robot with lasers in a known map, with a motion and a sensor model: those of the settings, or a
@@ -92,6 +91,8 @@ pub struct Mcl<M = MotionSettings, S = SensorSettings> {
     last_ranges: Option<u64>,
     frozen: u64,
     standing: Standing,
+    /// Updates in a row whose scans hardly end on the map.
+    off_map: u32,
     /// Updates by scans that the robot has moved although its odometry stood still.
     moved_unnoticed: u64,
 }
@@ -167,6 +168,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
             last_ranges: None,
             frozen: 0,
             standing: Standing::default(),
+            off_map: 0,
             moved_unnoticed: 0,
         };
         mcl.start_anywhere();
@@ -210,7 +212,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         belief.suspicion.iter_mut().for_each(Suspicion::clear);
         belief.augmented.iter_mut().for_each(AugmentedMcl::reset);
         self.monitor = LostMonitor::new(self.settings.lost).unwrap_or(self.monitor);
-        self.standing = Standing::default();
+        (self.standing, self.off_map) = (Standing::default(), 0);
         self.cluster();
     }
 
@@ -313,7 +315,8 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         self.path = Some(DrivenPath::starting_at(path.end()));
         let beams = self.without_novel(&step, scans, self.select(scans))?;
         let exponent = self.map.exponent(beams.iter().map(Vec::len).sum());
-        let beams = self.on_map(predicted, scans, beams);
+        let has_jumped = path.step().position().coords.norm() > JUMP;
+        let beams = if has_jumped { beams } else { self.on_map(predicted, scans, beams) };
         let offset = self.range_offset();
         let endpoints = self.without_skipped(&step, endpoints(scans, &beams, offset));
         let report = {
@@ -326,12 +329,16 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         let pose = self.estimate.belief.pose();
         let (rater, tolerance) = (&mut self.rater, self.monitor.settings().tolerance);
         let workers = self.belief.filter.workers();
-        let (fit, support) = workers
-            .both(|| rater.rate_by(workers, pose, scans), || tolerance.support(particles, pose));
+        let (fit, support) = workers.both(
+            || rater.rate_by(workers, pose, scans, !has_jumped),
+            || tolerance.support(particles, pose),
+        );
+        let has_fit = fit.is_some();
         self.monitor.update(fit, support);
         if spread.is_none() {
             self.standing.updated(fit.map(|fit| self.settings.lost.shift(&fit)));
         }
+        self.off_map = if has_fit || scans.is_empty() { 0 } else { self.off_map + 1 };
         let searched = report.searched || self.update_alternative(&step, scans)?;
         if self.estimates_range_offset() && !searched && self.lost() < MAX_LOST {
             self.offset.update(&self.map.field, scans, &beams, pose, offset);
@@ -472,98 +479,17 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
     }
 }
 
-/// Predicts with the poses of an odometry and corrects with scans; a scan is one outcome.
-impl<M: MotionModel, S: ScanModel> Localizer for Mcl<M, S> {
-    fn predict(&mut self, _stamp: f64, control: &Control) -> loc_filters::Result<()> {
-        let Control::Odometry(pose) = control else { return Ok(()) };
-        Ok(self.odometry(*pose)?)
-    }
-
-    fn correct(
-        &mut self,
-        _stamp: f64,
-        measurement: &Measurement,
-    ) -> loc_filters::Result<Vec<Outcome>> {
-        let Measurement::Scan { scan, mounting } = measurement else { return Ok(Vec::new()) };
-        let odometry = self.path.map_or(Pose2::IDENTITY, |path| path.end());
-        let scan = MountedScan { scan, mounting: *mounting };
-        let update = self.update(odometry, &[scan])?;
-        let is_used = matches!(update, Update::Done(_));
-        Ok(is_used.then_some(Outcome::of(Decision::Accepted)).into_iter().collect())
-    }
-
-    /// The pose of the last update, moved by the odometry since.
-    fn estimate(&self, _stamp: f64) -> loc_filters::Result<localizer::Estimate> {
-        Ok(localizer::Estimate::from(self.belief()).with_lost(self.lost()))
-    }
-
-    fn hypotheses(&self) -> Vec<Hypothesis> {
-        let clusters = self.estimate.clusters.iter();
-        clusters.map(|c| Hypothesis { share: c.share, belief: c.belief }).collect()
-    }
-
-    fn particle_count(&self) -> usize {
-        self.particles().len()
-    }
-
-    fn particle_set(&self, max: usize) -> Option<ParticleSet> {
-        Some(ParticleSet { particles: self.particles().thinned(max), weighted: None })
-    }
-
-    fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
-        if self.frozen > 0 {
-            notes.push(format!(
-                "{} scans were equal to the one before while the robot moved and were not used",
-                self.frozen
-            ));
-        }
-        if self.moved_unnoticed > 0 {
-            notes.push(format!(
-                "the scans moved {} times while the odometry stood still: do the encoders stick?",
-                self.moved_unnoticed
-            ));
-        }
-        let estimate = self.range_offset_estimate();
-        let (Some(offset), Some(sigma)) = (estimate.offset(), estimate.sigma()) else {
-            return notes;
-        };
-        let scans = estimate.scans();
-        let by = format!("{offset:+.3} m, sigma {sigma:.3} m, by {scans} scans");
-        if self.range_offset().abs() > 0.0 {
-            notes.push(format!("ranges changed to fit the map's walls by {by}"));
-        }
-        notes
-    }
-}
-
 /// A robot has moved if its odometry says at least this much \[m, rad\].
 const MIN_MOVE: f64 = 0.05;
 
-/// The valid ranges of all scans as one number; `None` without any.
-fn fingerprint(scans: &[MountedScan<'_>]) -> Option<u64> {
-    let valid = |mounted: &&MountedScan<'_>| mounted.scan.ranges.iter().any(|r| r.is_finite());
-    scans.iter().find(valid)?;
-    let ranges = scans.iter().flat_map(|mounted| &mounted.scan.ranges);
-    let mix = |hash: u64, range: &f64| (hash ^ range.to_bits()).wrapping_mul(0x0100_0000_01b3);
-    Some(ranges.fold(0xcbf2_9ce4_8422_2325, mix))
-}
-
 /// How far a robot gets between two ratings of scans while its odometry stands still.
 const UNNOTICED: Spread = Spread([0.2, 0.2, 0.1]);
+
+/// A robot does not drive this far from one update to the next \[m\]: its odometry jumps.
+const JUMP: f64 = 5.0;
 
 /// A belief is divided if its heaviest cluster has less than this share.
 const MAX_SHARE: f64 = 0.99;
 
 /// Scans are used for the range offset while the probability of being lost is below this.
 const MAX_LOST: f64 = 0.1;
-
-fn check(odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<()> {
-    finite("x of the odometry [m]", odometry.x)?;
-    finite("y of the odometry [m]", odometry.y)?;
-    finite("heading of the odometry [rad]", odometry.theta)?;
-    scans.iter().try_for_each(|mounted| {
-        finite("mounting of a laser", mounted.mounting.to_vector().sum())?;
-        Ok(mounted.scan.check()?)
-    })
-}

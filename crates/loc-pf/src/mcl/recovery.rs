@@ -43,6 +43,9 @@ const MIN_SCANS: u32 = 3;
 /// .. and at most this many.
 const MAX_SCANS: u32 = 10;
 
+/// Off the map, one of this many updates searches it.
+const OFF_MAP: u32 = 10;
+
 /// Places are looked at if the scan makes them at most this much less credible than the best one
 /// \[nats\].
 const CREDIBLE: f64 = 1.0;
@@ -78,7 +81,11 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
             self.select_belief(alternative);
             return Ok(false);
         }
-        let is_suspected = self.belief.suspicion.is_some_and(|suspicion| suspicion.is_alarmed());
+        // Off the map nothing raises suspicion. So the map is looked at now and then.
+        let may_be_back =
+            self.off_map > 0 && self.off_map.is_multiple_of(OFF_MAP) && self.lost() > 0.5;
+        let is_suspected =
+            self.belief.suspicion.is_some_and(|suspicion| suspicion.is_alarmed() || may_be_back);
         if is_suspected && let Some(mut alternative) = self.search_alternative(scans)? {
             self.observe_alternative(&mut alternative, scans);
             self.alternative = Some(alternative);

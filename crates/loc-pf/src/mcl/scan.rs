@@ -7,6 +7,7 @@ use crate::sensor::beam::{informative_beams_from, thinned};
 use crate::sensor::{BeamLikelihood, FieldLikelihood, SumOfCubes};
 use crate::{Likelihood, Particles, Poses, Result};
 use loc_core::Pose2;
+use loc_core::error::finite;
 use loc_maps::likelihood_field::{Endpoints, LikelihoodFieldSettings};
 use loc_maps::{GlobalSearch, LikelihoodField, OccupancyGrid, RayCaster, SearchSettings};
 use loc_sensors::laser::{Beam, LaserScan};
@@ -43,6 +44,26 @@ impl Likelihood for Observation<'_> {
             }
         }
     }
+}
+
+/// Checks a pose of the odometry and the scans taken there.
+pub(super) fn check(odometry: Pose2, scans: &[MountedScan<'_>]) -> Result<()> {
+    finite("x of the odometry [m]", odometry.x)?;
+    finite("y of the odometry [m]", odometry.y)?;
+    finite("heading of the odometry [rad]", odometry.theta)?;
+    scans.iter().try_for_each(|mounted| {
+        finite("mounting of a laser", mounted.mounting.to_vector().sum())?;
+        Ok(mounted.scan.check()?)
+    })
+}
+
+/// The valid ranges of all scans as one number; `None` without any.
+pub(super) fn fingerprint(scans: &[MountedScan<'_>]) -> Option<u64> {
+    let valid = |mounted: &&MountedScan<'_>| mounted.scan.ranges.iter().any(|r| r.is_finite());
+    scans.iter().find(valid)?;
+    let ranges = scans.iter().flat_map(|mounted| &mounted.scan.ranges);
+    let mix = |hash: u64, range: &f64| (hash ^ range.to_bits()).wrapping_mul(0x0100_0000_01b3);
+    Some(ranges.fold(0xcbf2_9ce4_8422_2325, mix))
 }
 
 /// Numbers of the beams of a scan to use: valid ones within the robot's limits, and those without a
@@ -105,7 +126,7 @@ impl Candidates {
 }
 
 /// Maximum number of candidates of a search.
-pub(super) const CANDIDATES: usize = 64;
+const CANDIDATES: usize = 64;
 
 /// Poses are as good as the best one if the scan is at most this much less likely there \[nats\].
 const TIED: f64 = 5.0;

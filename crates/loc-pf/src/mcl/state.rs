@@ -28,6 +28,7 @@ pub struct MclState {
     alternative: Option<Alternative>,
     offset: RangeOffsetEstimate,
     standing: Standing,
+    off_map: u32,
 }
 
 impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
@@ -48,6 +49,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
             alternative: self.alternative.clone(),
             offset: self.offset,
             standing: self.standing,
+            off_map: self.off_map,
         }
     }
 
@@ -72,7 +74,7 @@ impl<M: MotionModel, S: ScanModel> Mcl<M, S> {
         (belief.suspicion, belief.augmented) = (state.suspicion, state.augmented);
         self.monitor = state.monitor;
         (self.alternative, self.offset) = (state.alternative, state.offset);
-        self.standing = state.standing;
+        (self.standing, self.off_map) = (state.standing, state.off_map);
         self.cluster();
         Ok(())
     }
