@@ -69,7 +69,8 @@ impl Claims {
         let wrong = samples().zip(&run.truth).filter(|((_, estimate), truth)| {
             is_sure_and_wrong(estimate, truth.value.pose, run.truth_has_heading)
         });
-        let sure_and_wrong = wrong.map(|(((_, dt), _), _)| dt).sum();
+        // The sum of no number is -0.
+        let sure_and_wrong = wrong.fold(0.0, |sum, (((_, dt), _), _)| sum + dt);
         Claims {
             lost_mean: mean.is_finite().then_some(mean),
             lost_max: max,

@@ -19,6 +19,9 @@ pub(super) const COLUMNS: [(&str, usize); 8] = [
 /// The least width of the column of the methods; the whole table has then 80 columns.
 const METHOD: usize = 15;
 
+/// Hypotheses with smaller shares are not counted in the table.
+const LIKELY: f64 = 0.01;
+
 /// How many doubtful spans of a method are printed.
 const SPANS: usize = 3;
 
@@ -104,14 +107,21 @@ fn claim_lines(name: &str, method: &MethodSummary) -> Vec<String> {
         doubtful.iter().take(SPANS).map(|[from, to]| format!("{from:.1} to {to:.1} s")).collect();
     if !spans.is_empty() {
         let more = doubtful.len() - spans.len();
-        let more = if more > 0 { format!(" and {more} times later") } else { String::new() };
+        let more = match more {
+            0 => String::new(),
+            1 => " and once later".into(),
+            more => format!(" and {more} times later"),
+        };
         lines.push(format!("{name}: doubtful from {}{more}", spans.join(", ")));
     }
-    if let [first, second, ..] = hypotheses[..] {
-        let count = hypotheses.len();
-        let (first, second) = (first.share, second.share);
-        lines
-            .push(format!("{name}: {count} hypotheses at the end, {first:.2} and {second:.2} ..."));
+    let shares: Vec<f64> = hypotheses.iter().map(|hypothesis| hypothesis.share).collect();
+    if let [first, second, ..] = shares[..]
+        && second >= LIKELY
+    {
+        let count = shares.iter().filter(|share| **share >= LIKELY).count();
+        let shown = if count > 2 { ", .." } else { "" };
+        let shares = format!("{first:.2}, {second:.2}{shown}");
+        lines.push(format!("{name}: {count} hypotheses at the end, with shares {shares}"));
     }
     if let Some(wrong) = wrong.filter(|wrong| *wrong > 0.0) {
         lines.push(format!("{name}: sure and wrong for {wrong:.1} s"));

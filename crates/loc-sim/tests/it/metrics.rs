@@ -513,5 +513,8 @@ mod claims {
         assert_eq!((claims.lost_mean, claims.lost_max), (None, None));
         assert!(claims.doubtful_s.is_empty());
         assert_eq!(claims.sure_and_wrong_s, Some(2.0));
+        let right = (Pose2::IDENTITY, 0.01, None);
+        let none = self::claims([right; 5]).sure_and_wrong_s.unwrap();
+        assert!(none == 0.0 && none.is_sign_positive());
     }
 }
