@@ -344,7 +344,7 @@ impl Localizer for GridLocalizer {
         Ok(is_used.then_some(Outcome::of(Decision::Accepted)).into_iter().collect())
     }
 
-    /// The most likely pose after the last input; lost with the probability of all other places.
+    /// The pose of maximum probability after the last input; lost with the probability of all other places.
     fn estimate(&self, _stamp: f64) -> Result<Estimate> {
         Ok(Estimate::from(self.belief()).with_lost(1.0 - self.certainty()))
     }
